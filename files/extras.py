@@ -30,8 +30,14 @@ def extra_of(error: ImportError) -> str | None:
 
 
 def lack(who: str, extra: str) -> str | None:
-    """Return the message that a part of handcart, named `who`, needs an extra, and how to install it; None if
-    all its modules are installed.
+    """Return why a part of handcart can't be used: modules of an extra are missing, and how to install them.
+
+    Args:
+        who: name of the part in the message.
+        extra: name of the extra, a key of `EXTRA_MODULES`.
+
+    Returns:
+        The message; None if all modules of the extra are installed.
     """
     missing = [module for module in EXTRA_MODULES[extra] if not is_there(module)]
     if not missing:

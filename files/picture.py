@@ -36,6 +36,10 @@ class Grey(NamedTuple):
 def read_grey(path: Path, max_pixels: int = MAX_PIXELS) -> Grey:
     """Return the grey levels of a picture; of 16 bits the upper eight.
 
+    Args:
+        path: the picture.
+        max_pixels: largest allowed number of pixels.
+
     Raises:
         FileError: the picture is missing or not a regular file, has too many bytes or pixels, is not one of
             the `PICTURE_FORMATS`, or is broken.

@@ -39,16 +39,24 @@ class BrokenPlugin(InputError):
 
 
 def paths_of(group: str, own: Mapping[str, str]) -> dict[str, str]:
-    """Return import paths by name: shipped ones, and those of other packages, which cannot replace a shipped
-    name.
+    """Return the import path of each name in an entry-point group, and of each shipped name.
+
+    Args:
+        group: name of the entry-point group.
+        own: shipped names with their import paths, which entry points cannot replace.
     """
     return {point.name: point.value for point in entry_points_of(group)} | dict(own)
 
 
 def check_name(name: str, group: str, own: Mapping[str, str]) -> None:
-    """Refuse a name that an entry point shares with one of ours, or with another entry point.
+    """Refuse a name that an entry point shares with a shipped one, or with another entry point.
 
     The meaning of such a name is ambiguous; a shipped one is never replaced silently.
+
+    Args:
+        name: the name.
+        group: name of the entry-point group.
+        own: shipped names with their import paths.
 
     Raises:
         BrokenPlugin: several have this name.
@@ -68,7 +76,16 @@ def package_of(point: EntryPoint) -> str:
 
 
 def import_plugin(path: str, what: str) -> Any:
-    """Import "module:name"; errors of other packages are wrapped, those of shipped modules pass through."""
+    """Return the object at an import path "module:name".
+
+    Args:
+        path: the import path.
+        what: kind and name of the plugin in messages.
+
+    Raises:
+        ModuleNotFoundError: the module, or one that it imports, is not installed.
+        BrokenPlugin: a module of another package raised an error; errors of shipped modules pass through.
+    """
     module, _, name = path.partition(":")
     try:
         return getattr(import_module(module), name)

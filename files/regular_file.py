@@ -75,6 +75,11 @@ def check_regular(descriptor: int) -> None:
 def decode_text(content: bytes, file: str, longest_line: int | None = MAX_LINE) -> str:
     """Return the text of UTF-8 bytes.
 
+    Args:
+        content: bytes of the file.
+        file: name of the file in messages.
+        longest_line: largest length of a line, in characters; None: any length.
+
     Raises:
         FileError: at the first byte that is not UTF-8, at a control character, at a byte order mark or at a
             line of more than `longest_line` characters.

@@ -11,10 +11,11 @@ _MAX_ENTRIES = 5000  # of a folder that are looked at
 
 
 def suggest(name: str, allowed: Iterable[str]) -> str:
-    """Return the second half of a message about an unknown name.
+    """Return the second half of a message about an unknown name, such as `"; did you mean 'speed'? allowed:
+    place, speed"`.
 
-    `"; did you mean 'speed'? allowed: place, speed"`; the question only if a name is near, the list in the
-    given order and cut after twelve names, `"; allowed: nothing"` if it is empty.
+    The question is there only if an allowed name is similar. The list has the given order and is cut after
+    twelve names; without any it is `"; allowed: nothing"`.
     """
     names = list(dict.fromkeys(allowed))
     near = nearest(name, names)

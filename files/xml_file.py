@@ -48,7 +48,16 @@ def read_xml_text(path: Path | str, check: Check | None = None, max_bytes: int =
 
 
 def checked_xml(content: bytes, file: str, check: Check | None = None) -> str:
-    """Return `content` as text after the checks of an XML file, called `file` in messages."""
+    """Return the content of an XML file as text, after the same checks as in `read_xml_text`.
+
+    Args:
+        content: bytes of the file, which may begin with a byte order mark.
+        file: name of the file in messages.
+        check: called with each element; it yields the element's problems.
+
+    Raises:
+        FileError: with line and column; see `read_xml_text`.
+    """
     # Robots exported by programs on Windows begin with one.
     text = decode_text(content.removeprefix(BYTE_ORDER_MARK), file, longest_line=None)
     _Walk(file, check or (lambda _: ())).through(text)

@@ -18,8 +18,11 @@ class Bodies:
                 self._by_class |= domain.imported(domain_.physics)
 
     def of(self, what: object, default: Any) -> Any:
-        """Return the class in physics that represents a thing or props, or else `default`; classes of its
-        base classes count, too.
+        """Return the class in physics that represents an object.
+
+        Args:
+            what: a thing or props; a class that represents one of its base classes counts, too.
+            default: returned if no class represents it.
         """
         found = (self._by_class[kind] for kind in type(what).__mro__ if kind in self._by_class)
         return next(found, default)

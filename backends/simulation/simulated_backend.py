@@ -141,7 +141,7 @@ class SimulatedBackend(Backend):
         return Pose2(kidnap.to.x_m, kidnap.to.y_m, math.radians(kidnap.to.heading_deg))
 
     def _begin_period(self) -> None:
-        """Advance the scene's time, its props, and the passers by the period that ends then."""
+        """Begin a period: set the scene's time to its end, and let the props and the passers move for it."""
         scene = self.scene
         self._periods += 1
         scene.time = self._periods * self.period
@@ -207,8 +207,12 @@ class SimulatedBackend(Backend):
 
 
 def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
-    """Return the world at first: a person has put the robot there, and set up what the file has of
-    domains.
+    """Return the world at its start, with the robot and the domains' objects as a person has put them there.
+
+    Args:
+        robot: robot file.
+        world: world as `load_world` returns it: the cells of its map are furniture.
+        seed: seed of a person's errors, and of all that the domains draw.
     """
     assert world.map is None, "load_world puts what the map shows among the furniture"
     named = world.model_fields_set - WorldFile.model_fields.keys()

@@ -83,7 +83,13 @@ class _Hulls:
         self._names: dict[tuple[str, str], str] = {}
 
     def of_mesh(self, file: str, scale: str, link: str) -> str:
-        """Return the name of a mesh's hull; links that have the same mesh share it."""
+        """Return the name of a mesh's hull, computed once; links that have the same mesh and scale share it.
+
+        Args:
+            file: path of the mesh.
+            scale: its attribute `scale` in the URDF.
+            link: link that has the mesh, for messages.
+        """
         if (file, scale) not in self._names:
             self._names[file, scale] = self._add(_hull(file, scale, link))
         return self._names[file, scale]

@@ -49,12 +49,24 @@ class RobotUrdf:
     """Faults in the URDFs that do not prevent their use."""
 
     def finding(self, kind: str, name: str, message: str) -> Finding | None:
-        """Return a finding about a "link" or "joint" at its place; None for one that no URDF contains."""
+        """Return a finding at the place of a link or joint; None for one that no URDF contains.
+
+        Args:
+            kind: "link" or "joint".
+            name: its name in `text`.
+            message: what is wrong; what is allowed.
+        """
         place = self.places.get((kind, name))
         return None if place is None else place.finding(f"{kind} {name!r}: {message}")
 
     def remark(self, kind: str, name: str, message: str) -> str:
-        """Return a remark about a "link" or "joint"; without a place for an element that handcart added."""
+        """Return a remark about a link or joint as text, with its place in a URDF if it has one.
+
+        Args:
+            kind: "link" or "joint".
+            name: its name in `text`.
+            message: text of the remark.
+        """
         return str(self.finding(kind, name, message) or f"{kind} {name!r}: {message}")
 
 

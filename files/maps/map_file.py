@@ -101,9 +101,14 @@ def is_map_file(path: Path) -> bool:
 
 
 def map_path(root: Path, name: str, *, start: Path) -> Path:
-    """Return the path of a map that another file names: inside `root`, from `start`, as for all files.
+    """Return the path of a map that another file names.
 
     Maps of ROS have their own folders, so an absolute path is allowed as well if there is a map.
+
+    Args:
+        root: folder that must contain a map with a relative path.
+        name: path of the map in the other file.
+        start: folder inside `root` that a relative path starts from.
 
     Raises:
         UnsafePath: the path leads elsewhere.

@@ -10,8 +10,11 @@ SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
 def schema(model: type[BaseModel] | TypeAdapter[Any], title: str | None = None) -> dict[str, Any]:
     """Return the JSON Schema of a kind of file.
 
-    Descriptions are the docstrings of the classes and those under their fields. The title is the name of
-    the class unless given.
+    Descriptions are the docstrings of the classes and those under their fields.
+
+    Args:
+        model: type of the file's content.
+        title: title of the schema (default: the name of the class).
     """
     adapter: TypeAdapter[Any] = model if isinstance(model, TypeAdapter) else TypeAdapter(model)
     body = adapter.json_schema(mode="validation", by_alias=True)

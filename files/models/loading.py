@@ -28,15 +28,23 @@ class Loaded(Generic[FileModelT]):
     document: Document
 
     def finding(self, path: KeyPath, message: str, *, at_key: bool = False) -> Finding:
-        """Return a finding at the value (or key) at `path`.
+        """Return a finding at a value of the file.
 
-        `message` reads "what is wrong; what is allowed".
+        Args:
+            path: key path of the value.
+            message: "what is wrong; what is allowed".
+            at_key: True for the place of the value's key instead.
         """
         return self.document.finding(path, message, at_key=at_key)
 
     def refuse(self, path: KeyPath, message: str, *, at_key: bool = False) -> FileError:
-        """Return an error, to raise, with this one finding; `handcart.files.findings.Findings` collects
-        several.
+        """Return an error with one finding, for the caller to raise; `handcart.files.findings.Findings`
+        collects several.
+
+        Args:
+            path: key path of the value.
+            message: "what is wrong; what is allowed".
+            at_key: True for the place of the value's key instead.
         """
         return FileError([self.finding(path, message, at_key=at_key)])
 
@@ -65,7 +73,16 @@ def load(
 def load_document(
     document: Document, model: type[FileModelT] | TypeAdapter[FileModelT], context: object = None
 ) -> Loaded[FileModelT]:
-    """Return the whole of `document` as a `model`; raises `FileError` with every finding."""
+    """Return the content of a document as a typed value, together with the document.
+
+    Args:
+        document: the file, already read.
+        model: type of the value, a class or a TypeAdapter.
+        context: passed to the validators of the model (`info.context`).
+
+    Raises:
+        FileError: with every finding.
+    """
     value = load_part(document, (), model, context)
     if isinstance(value, FileModel) and (found := list(value.contradictions(document))):
         raise FileError(found)
@@ -78,13 +95,19 @@ def load_part(
     model: type[FileModelT] | TypeAdapter[FileModelT],
     context: object = None,
 ) -> FileModelT:
-    """Return the value at `path` in `document` as a `model` (a class, or a TypeAdapter of any type).
+    """Return a part of a document as a typed value.
 
-    For parts whose type depends on another part of the file, such as the parameters of a primitive. Kinds
-    are not converted: text is not a number, true is not 1, 1.0 is not a whole number.
+    For parts whose type depends on another part of the file, such as the parameters of a primitive. Kinds are
+    not converted: text is not a number, true is not 1, 1.0 is not a whole number.
+
+    Args:
+        document: the file.
+        path: key path of the part.
+        model: type of the value, a class or a TypeAdapter.
+        context: passed to the validators of the model (`info.context`).
 
     Raises:
-        FileError: with every finding.
+        FileError: the part is missing or invalid; with every finding.
     """
     adapter: TypeAdapter[FileModelT] = model if isinstance(model, TypeAdapter) else _adapter(cast(Any, model))
     node, there = document.root.deepest(path)
@@ -105,7 +128,7 @@ def _adapter(model: Any) -> TypeAdapter[Any]:
 
 
 def collect(findings: Findings, document: Document, path: KeyPath, model: Any, context: object = None) -> Any:
-    """Call `load_part`; if it raises, add to `findings` and return None."""
+    """Return the same as `load_part`; None after an error, whose findings are added to `findings`."""
     try:
         return load_part(document, path, model, context)
     except FileError as error:

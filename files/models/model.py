@@ -22,7 +22,7 @@ class FileModel(BaseModel):
     )
 
     def contradictions(self, document: Document) -> Iterator[Finding]:
-        """Yield the contradictions between parts of a whole file; asked once each part is valid.
+        """Yield the contradictions between parts of a whole file; called once each part is valid.
 
         Args:
             document: the file, which knows the lines of its values.

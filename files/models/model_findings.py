@@ -25,7 +25,14 @@ _BOUNDS = ("ge", "gt", "le", "lt", "multiple_of", "min_length", "max_length", "p
 def findings_of(
     error: ValidationError, adapter: TypeAdapter[Any], document: Document, at: KeyPath = ()
 ) -> list[Finding]:
-    """Return a finding for each problem of the part of `document` at the path `at`."""
+    """Return pydantic's errors in a part of a file as findings.
+
+    Args:
+        error: error with all problems of the part.
+        adapter: type that the part was validated by.
+        document: the file, for the places of the findings.
+        at: key path of the part in the file.
+    """
     walk = SchemaWalk(adapter.core_schema)
     raw = [item for item in error.errors(include_url=False) if not _counts_only_valid_items(item)]
     placed = [(walk.place(item["loc"]), item) for item in raw]

@@ -40,8 +40,12 @@ def shown(value: object) -> str:
 
 
 def described(walk: SchemaWalk, schema: Schema, key: str = "") -> str:
-    """Return the values that `schema` allows in words, with the unit that `key` names; "" if any value is
-    allowed.
+    """Return the values that a schema allows, in words; "" if any value is allowed.
+
+    Args:
+        walk: look-up in the model that contains the schema.
+        schema: schema of the value.
+        key: key of the value in the file, whose ending names the unit.
     """
     match schema["type"]:
         case "int" | "float" | "decimal":

@@ -68,7 +68,11 @@ class TreeBuilder:
         return self.root
 
     def problem(self, mark: Any, message: str) -> None:
-        """Collect a finding at a mark of the parser (which counts from 0)."""
+        """Collect a finding at a mark of the parser, which counts lines and columns from 0.
+
+        Raises:
+            FileError: there are too many findings; with all of them.
+        """
         self.findings.add(Finding(self.file, mark.line + 1, mark.column + 1, message))
         if len(self.findings) >= _MAX_FINDINGS:
             self.findings.raise_all()

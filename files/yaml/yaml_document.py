@@ -65,14 +65,17 @@ class Document:
         return node.line, node.column
 
     def key_position(self, path: KeyPath) -> tuple[int, int]:
-        """Line and column (from 1) of the key of the value at `path` (of the item, in a list)."""
+        """Return line and column (from 1) of the key of the value at `path`; of the item itself in a list."""
         node, whole = self.root.deepest(path)
         return (node.key_line, node.key_column) if whole else (node.line, node.column)
 
     def finding(self, path: KeyPath, message: str, *, at_key: bool = False) -> Finding:
-        """Return a finding at the value (or its key) at `path`.
+        """Return a finding at a value of the file.
 
-        `message` reads "what is wrong; what is allowed".
+        Args:
+            path: key path of the value.
+            message: "what is wrong; what is allowed".
+            at_key: True for the place of the value's key instead.
         """
         node, _ = self.root.deepest(path)
         line, column = self.key_position(path) if at_key else (node.line, node.column)
@@ -97,7 +100,11 @@ def read_document(path: Path | str, *, max_bytes: int = MAX_BYTES, max_nodes: in
 
 @contextmanager
 def changed_numbers(changes: Changes) -> Iterator[None]:
-    """Replace numbers in files read inside this context; campaigns vary them by trial."""
+    """Replace numbers in all files that are read inside this context; campaigns vary them by trial.
+
+    Args:
+        changes: replacements, in place of those of an outer context.
+    """
     token = _CHANGES.set(changes)
     try:
         yield
@@ -118,7 +125,16 @@ def _with_changes(path: Path, root: Node) -> Node:
 
 
 def parse_document(content: bytes, file: str, *, max_nodes: int = MAX_NODES) -> Document:
-    """Return the document in `content`, called `file` in messages; raises `FileError`."""
+    """Return the document in the bytes of a YAML file.
+
+    Args:
+        content: bytes of the file.
+        file: name of the file in messages.
+        max_nodes: largest allowed number of values.
+
+    Raises:
+        FileError: with all that is wrong with it as YAML.
+    """
     text = decode_text(content, file)
     root = _fast_tree(text, file, max_nodes) or _tree(text, file, max_nodes)
     return Document(file, content, root)

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 from handcart.files.yaml.scalars import Scalar
 
 KeyPath: TypeAlias = tuple[str | int, ...]
-"""The way from the root of a file to a value: keys and indices, `("places", 3, "width_mm")`."""
+"""Path from the root of a file to a value, as keys and indices: `("places", 3, "width_mm")`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,8 +30,8 @@ class Node:
         return None
 
     def deepest(self, path: KeyPath) -> "tuple[Node, bool]":
-        """Return the node at `path`, or the last one on the way to it; and whether the whole way was
-        there.
+        """Return the node at `path` and True; if a key is missing, the last node on the way to it and
+        False.
         """
         node = self
         for step in path:
@@ -50,7 +50,11 @@ class Node:
         return self.content
 
     def replaced(self, path: KeyPath, new: "Node") -> "Node":
-        """Return the tree with the node at `path` replaced by `new` (the last key may be new)."""
+        """Return a copy of the tree in which `new` is at `path`; the last key of the path may be new.
+
+        Raises:
+            KeyError: another key or index of the path is missing.
+        """
         if not path:
             return new
         step, rest = path[0], path[1:]

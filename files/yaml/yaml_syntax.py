@@ -27,7 +27,13 @@ _MARKED_AT_THEIR_BEGINNING = ("could not find expected ':'", "found unexpected e
 
 
 def syntax_error(file: str, error: Exception, latest_mark: Any) -> FileError:
-    """Return the parser's `error` as a finding, at its own mark or otherwise at that of the latest event."""
+    """Return the error of a YAML parser as one with a finding in plain words.
+
+    Args:
+        file: name of the file in messages.
+        error: exception of the parser; its own mark is the place of the finding.
+        latest_mark: mark of the latest event, for an error without a mark.
+    """
     problem = getattr(error, "problem", None)
     if problem is None:
         return _at(file, latest_mark, "an escape or a version that is out of range; allowed: YAML 1.2")

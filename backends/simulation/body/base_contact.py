@@ -45,10 +45,13 @@ def touching_passers(scene: Scene) -> frozenset[tuple[str, str]]:
 
 
 def base_gap(scene: Scene, base: Pose2) -> tuple[float, str]:
-    """Return the distance of the footprint at world_T_base to the nearest body in [m], and the name of that
-    body.
+    """Return the distance of the footprint to the nearest body in [m], and the name of that body.
 
-    Below 0 they overlap.
+    Below 0 they overlap; infinity without bodies.
+
+    Args:
+        scene: true state of the world.
+        base: world_T_base at which the footprint is compared.
     """
     shape = scene.robot.footprint_shape
     found = scene.body_plan.gap(base, shape, scene.time)

@@ -75,10 +75,13 @@ class SimulatedHand:
         return pairs
 
     def met_at(self, base: Pose2) -> Touch:
-        """Return the deepest new contact of the robot with the base at a pose world_T_base; `NO_TOUCH`
-        without one.
+        """Return the deepest contact of the robot with the base at a pose world_T_base, if it is deeper than
+        now.
 
         The base's own body is excluded: `move_base` checks it by its footprint.
+
+        Returns:
+            The contact; `NO_TOUCH` without one, or if the present contact is at least as deep.
         """
         there = self.contact.deepest_of_robot(base, self.scene.joints, self._skip)
         if there.depth == 0.0:

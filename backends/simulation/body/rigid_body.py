@@ -53,7 +53,17 @@ NO_MEETING = Meeting(0.0)
 
 
 def meet(one: RigidBody, pose: Transform, other: RigidBody, other_pose: Transform) -> Meeting:
-    """Return the overlap of two bodies at poses (4, 4) in one common frame."""
+    """Return the overlap of two bodies.
+
+    Args:
+        one: first body.
+        pose: (4, 4) its pose, in any common frame.
+        other: second body.
+        other_pose: (4, 4) its pose, in the same frame.
+
+    Returns:
+        The overlap in that frame; `NO_MEETING` if the bodies don't touch.
+    """
     if not touch(one.judging, pose, other.judging, other_pose):
         return NO_MEETING
     request, result = pin.coal.CollisionRequest(), pin.coal.CollisionResult()

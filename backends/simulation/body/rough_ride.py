@@ -35,7 +35,13 @@ class RoughRide:
     }
 
     def __init__(self, robot: RobotFile, ground: GroundSpec, seed: int) -> None:
-        """Prepare rides on a ground; a robot simulated without errors does not slip on it."""
+        """Prepare rides on a ground.
+
+        Args:
+            robot: robot file; if its `errors` has none, the robot tilts but does not slip.
+            ground: sigmas of the ground, from the world's file.
+            seed: seed of tilt and slip.
+        """
         self._seed, self._period, self._ground = seed, robot.period_s, ground
         self._errs = 0.0 if robot.errors.none else 1.0
         scale, *waves = keyed(seed, "ground").standard_normal(5).tolist()

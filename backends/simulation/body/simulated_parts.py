@@ -133,11 +133,18 @@ class SimulatedArm(ForceArm):
         self._command = self._from.copy()
 
     def swing_yaw(self) -> float:
-        """Return the turn of the base to the left by the arm's swing that has ended, in [rad]."""
+        """Return the turn of the base to the left by the last motion of the arm, which was a swing, in
+        [rad].
+        """
         return swing_yaw(self._errors, self._seed, self._motions)
 
     def _begin(self, period: int, loaded: bool) -> bool:
-        """Begin a period, and return whether the arm moves in it. `loaded`: the hand holds something."""
+        """Begin a period; return whether the arm moves in it.
+
+        Args:
+            period: number of the period.
+            loaded: True if the hand holds something.
+        """
         self._now = period
         changed = bool((self._command != self._from).any())
         if changed and not self._moving:

@@ -69,7 +69,13 @@ class BooksThere(Props[BooksSection]):
             self.set_on_tray(self.spec.tray)
 
     def set_on_tray(self, spec: BookSpec, number: int = 0) -> None:
-        """Put the book with this number down on the tray as a person does, slightly off its place."""
+        """Put a book down on the tray as a person does, slightly off its place.
+
+        Args:
+            spec: the book.
+            number: number of the handed-over book, which decides the error of its place; 0: it was there at
+                first.
+        """
         scene, errors = self.scene, self.scene.robot.errors
         dx, dy, turn = keyed(self.seed, f"tray {number}" if number else "tray").standard_normal(3)
         place = errors.book_place_mm / 1e3

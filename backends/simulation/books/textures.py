@@ -108,8 +108,8 @@ def draw_label(
         text: printed on the label.
         font: name of a font of matplotlib, or path of a file.
         px_per_mm: resolution, in [px/mm].
-        width_mm: width across the spine.
-        lines: 1, or one line for each word.
+        width_mm: width across the spine, in [mm].
+        lines: 1, or 2 for one line for each word.
 
     Raises:
         ValueError: the text is too long for the longest label.

@@ -111,7 +111,13 @@ def part_at(spec: SimulatedDoorSpec, part: str, opening: float) -> Transform:
 
 
 def new_part(spec: SimulatedDoorSpec, part: str, opening: float) -> DoorPart:
-    """Return a part of a door at an opening, in [rad] or [m]."""
+    """Return a part of a door at an opening.
+
+    Args:
+        spec: the door.
+        part: `FRONT` or `HANDLE`.
+        opening: opening in [rad], or of a drawer in [m].
+    """
     return DoorPart(part_at(spec, part, opening), Rest.TABLE, spec, part)
 
 

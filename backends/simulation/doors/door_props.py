@@ -66,7 +66,12 @@ class DoorProps(Props[DoorsSection]):
         return self.openings[name]
 
     def put(self, name: str, opening: float) -> None:
-        """Set the opening of a door in [rad], or of a drawer in [m], in a world without physics."""
+        """Set the opening of a door, and move its front and handle there; only in a world without physics.
+
+        Args:
+            name: name of the door in the world's file.
+            opening: opening in [rad], or of a drawer in [m].
+        """
         spec = self.parts[f"{FRONT} {name}"].spec
         self.openings[name] = opening
         for part in (FRONT, HANDLE):

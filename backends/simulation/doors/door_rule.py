@@ -46,7 +46,7 @@ class DoorRule(HandRule):
             scene: the scene.
             arm: kinematics of the arm.
             opening_of: returns the opening of a door, given its name, in [rad] or [m].
-            put: opens a door, given its name and the opening.
+            put: sets the opening of a door, given its name and the opening in [rad] or [m].
         """
         self._scene, self._arm, self._opening_of, self._put = scene, arm, opening_of, put
         self.grip = NOTHING_HELD

@@ -29,8 +29,13 @@ def keyed(seed: int, purpose: str, period: int = 0) -> np.random.Generator:
 
 
 def keyed_normal(seed: int, purpose: str, period: int, size: int) -> FloatArray:
-    """Return standard normal numbers (size,), without unit: the first ones of `keyed`, but cheap enough
-    for every period.
+    """Return standard normal numbers (size,): the first ones of `keyed`, but cheap enough for every period.
+
+    Args:
+        seed: seed of the run.
+        purpose: name of the sensor or error.
+        period: number of the period.
+        size: how many numbers.
     """
     rng, begun = _stream(int(seed), purpose)
     counter = begun["state"]["counter"]  # of whole numbers: an array's are unpacked twice as slowly
@@ -42,7 +47,8 @@ def keyed_normal(seed: int, purpose: str, period: int, size: int) -> FloatArray:
 def sensor_seed(seed: int, name: str) -> int:
     """Return the seed of the errors of one sensor, by its name in the robot's file.
 
-    A sensor that is called like the older key of its kind has the seed itself: runs are as before.
+    A sensor with the name of an older key, such as `camera`, has `seed` itself, so that earlier runs are
+    reproduced.
     """
     if name in OLD_KEYS:
         return seed

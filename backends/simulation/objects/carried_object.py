@@ -43,7 +43,14 @@ class CarriedObject(PlacedThing, PrintedThing):
     @override
     @classmethod
     def set_down(cls, scene: Scene, spec: PlacedSpec, seed: int, **others: Any) -> Self:
-        """Return an object that a person sets down about where its file says, by its own sigmas too."""
+        """Return an object that a person sets down about where its file says.
+
+        Args:
+            scene: scene with the robot in place; its file has the sizes of a person's errors.
+            spec: the object and its pose; its own sigmas are added to a person's errors.
+            seed: seed of the errors.
+            others: further fields of the class.
+        """
         assert isinstance(spec, CarriedObjectSpec)
         dx, dy, turn = keyed(seed, f"place of {cls.KIND} {spec.name}").standard_normal(3).tolist()
         placed = spec.model_copy(

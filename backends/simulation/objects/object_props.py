@@ -65,7 +65,7 @@ class ObjectProps(Props[ObjectsSection]):
 
     @cached_property
     def puller(self) -> Puller:
-        """The person who pulls."""
+        """Person who pulls at the held object."""
         return Puller(self.scene, self.seed, (SimulatedPull(spec) for spec in self.spec.pulls), None)
 
     @property
@@ -79,7 +79,7 @@ class ObjectProps(Props[ObjectsSection]):
 
     @property
     def held_out(self) -> OfferingHand | None:
-        """Place of a hand that holds something out, and since when."""
+        """Place of a hand that holds something out, and since when; None without one."""
         return self.puller.held_out
 
     @held_out.setter
@@ -87,7 +87,7 @@ class ObjectProps(Props[ObjectsSection]):
         self.puller.held_out = held_out
 
     def pull_now(self, spec: PullSpec) -> None:
-        """Let a person pull from now on."""
+        """Let a person pull from now on, in addition to the pulls of the world's file."""
         self.puller.pulls.append(SimulatedPull(spec, self.scene.time))
 
     @override

@@ -22,10 +22,10 @@ class PrintedThing(Thing):
         return self._faces
 
     def print_over(self, faces: Mapping[Side, GreyImage]) -> None:
-        """Replace the pictures on its sides, to simulate damage or something that covers the tags.
+        """Replace all pictures on its sides, to simulate damage or something that covers the tags.
 
         Args:
-            faces: picture (h, w) of each printed side, grey from 0 to 255.
+            faces: picture (h, w) of each side that has one now, grey from 0 to 255.
         """
         self.__dict__["_faces"] = dict(faces)
 

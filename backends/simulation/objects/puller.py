@@ -131,7 +131,13 @@ class Puller:
         return np.sum(forces, axis=0) if forces else NO_FORCE
 
     def _of(self, number: int, pull: SimulatedPull, now: float) -> FloatArray:
-        """Return the force (3,) on the held object of a pull that is on, in the world frame, in [N]."""
+        """Return the force (3,) of a pull on the held object now, in the world frame, in [N].
+
+        Args:
+            number: index of the pull, which separates its random errors.
+            pull: pull that has begun and is not over.
+            now: simulated time, in [s].
+        """
         spec, rng = pull.spec, keyed(self._seed, f"pull {number}")
         size = max(0.0, spec.force_n + spec.sigma_n * float(rng.standard_normal()))
         turn = Rotation.from_rotvec(math.radians(spec.sigma_deg) * rng.standard_normal(3)).as_matrix()

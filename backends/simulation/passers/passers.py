@@ -50,7 +50,13 @@ class PasserShape:
     grey = PASSER_GREY
 
     def __init__(self, name: str, radius: float, pose: Transform) -> None:
-        """`radius` in [m]; `pose` (4, 4) is world_T_passer, at its feet."""
+        """Describe the box of a passer.
+
+        Args:
+            name: name of the passer.
+            radius: radius of the body, in [m].
+            pose: world_T_passer (4, 4), at the passer's feet.
+        """
         self.name, self.pose = name, pose
         self.size = (1.6 * radius, 2.0 * radius, BODY_HEIGHT_M)
         self.thing_T_middle = np.eye(4)
@@ -104,7 +110,13 @@ class Passers:
                 self.clocks[number] += period
 
     def _sees_robot(self, number: int, base: Pose2, radius: float) -> bool:
-        """Return whether the robot is near and ahead of a member of a group."""
+        """Return whether the robot is near and ahead of any member of a group.
+
+        Args:
+            number: index of the group.
+            base: world_T_base.
+            radius: radius of the robot's footprint, in [m].
+        """
         spec = self._specs[number]
         for step in (walk.at(self.clocks[number]) for owner, _, walk in self._walks if owner == number):
             ray = np.array([base.x, base.y]) - step.position
@@ -158,8 +170,9 @@ class Passers:
         return np.array(rows).reshape(-1, 3)
 
     def clearance(self, x: float, y: float) -> tuple[float, str]:
-        """Return the distance of a point to the nearest passer's body in [m], below 0 inside, and the
-        passer's name.
+        """Return the distance of a point to the nearest passer's body in [m], and the passer's name.
+
+        Below 0 the point is inside; infinity and "" without passers.
 
         Args:
             x: in the world, in [m].
@@ -179,6 +192,8 @@ class Passers:
     def gap(self, base: Pose2, footprint: Footprint) -> tuple[float, str]:
         """Return the distance of a footprint at world_T_base to the nearest passer's body in [m], and the
         passer's name.
+
+        Below 0 they overlap; infinity and "" without passers.
         """
         gaps = ((gap, name) for name, gap in self._gaps(base, footprint))
         return min(gaps, default=(math.inf, ""))

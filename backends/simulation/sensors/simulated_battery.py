@@ -24,7 +24,14 @@ class SimulatedBattery(Battery, SimulatedSensor):
     STATE: ClassVar = {"_energy_j": float, "_place": Pose2, "_now": int}
 
     def __init__(self, spec: BatterySpec, scene: Scene, period: float, seed: int) -> None:
-        """Prepare the battery; `period` is the control period, in [s]."""
+        """Prepare the battery at its initial charge.
+
+        Args:
+            spec: the battery's section of the robot's file.
+            scene: true state of the world, with the motion of the base.
+            period: control period, in [s].
+            seed: seed of the reading's noise.
+        """
         self._spec, self._scene, self._period, self._seed = spec, scene, period, seed
         self._full_j = J_PER_WH * spec.capacity_wh
         self._energy_j = spec.charge_percent / 100.0 * self._full_j

@@ -30,7 +30,15 @@ class SimulatedBeacons(Beacons, SimulatedSensor):
     def __init__(
         self, spec: BeaconsSpec, there: BeaconsThere, scene: Scene, period: float, seed: int
     ) -> None:
-        """Prepare the beacons; `period` is the control period, in [s]."""
+        """Prepare the beacons, and draw the errors that stay the same for a run.
+
+        Args:
+            spec: the beacons' section of the robot's file.
+            there: differences of the true beacons, from the world's file.
+            scene: true state of the world.
+            period: control period, in [s].
+            seed: seed of the errors.
+        """
         self._spec, self._there, self._scene, self._seed = spec, there, scene, seed
         self._every = max(1, round(spec.period_s / period))
         self._walk = there.bias_walk_m_rt_s * math.sqrt(self._every * period)

@@ -29,7 +29,14 @@ class SimulatedCamera(PlacedCamera, SimulatedSensor):
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, robot: RobotFile, spec: CameraSpec, arm: ArmModel | None, seed: int) -> None:
-        """Mount the camera at its link of the URDF, with the errors of mount and focal length in `errors`."""
+        """Mount the camera at its link of the URDF, with the errors of mount and focal length in `errors`.
+
+        Args:
+            robot: robot file.
+            spec: section of the camera in that file.
+            arm: model of the arm; None without an arm.
+            seed: seed of the errors.
+        """
         self._errors, self._spec, self._seed = robot.errors, spec, seed
         self._mount = camera_mount(robot, robot.link_of(spec), arm)
         self._known = known_camera(spec, self._mount)

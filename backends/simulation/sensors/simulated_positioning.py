@@ -34,7 +34,14 @@ class SimulatedPositioning(Positioning, SimulatedSensor):
     """Attributes that a checkpoint keeps, with their types."""
 
     def __init__(self, spec: PositioningSpec, scene: Scene, period: float, seed: int) -> None:
-        """Take the first measurement; `period` is the control period, in [s]."""
+        """Prepare the system, and take the first measurement.
+
+        Args:
+            spec: the system's section of the robot's file.
+            scene: true state of the world.
+            period: control period, in [s].
+            seed: seed of the noise.
+        """
         self._spec, self._scene, self._period, self._seed = spec, scene, period, seed
         self._now, self._taken = 0, 0
         self._under_way: tuple[tuple[int, Pose2, float], ...] = ()

@@ -16,6 +16,12 @@ def true_camera(spec: CameraSpec, mount: CameraMount, errors: Errors, seed: int)
     """Return the camera that takes the pictures; its errors are drawn once for a seed.
 
     A calibration does not change it. Only simulation and evaluation may call this.
+
+    Args:
+        spec: section of the camera in the robot's file.
+        mount: place of the camera by the URDF.
+        errors: sizes of the errors of mount and focal length.
+        seed: seed of the errors.
     """
     stated, off = stated_camera(spec, mount), mount_error(errors, seed)
     longer = 1.0 + errors.focal_percent / 100.0 * float(keyed(seed, "focal length").standard_normal())

@@ -55,12 +55,21 @@ class Painted(NamedTuple):
 
 
 def paint_thing(thing: Thing) -> Painted:
-    """Return a box in its grey, with what is printed on its sides."""
+    """Return a box or cylinder as a drawable object, in its grey, with the pictures that are printed on
+    it.
+    """
     return Painted(thing.box().pose[:3, 3], partial(_thing, thing=thing))
 
 
 def paint_box(canvas: Canvas, box: Box, grey: int, sides: tuple[int, ...] = (0, 1, 2, 3, 4, 5)) -> None:
-    """Paint the sides of a box that face the camera, each in its shade."""
+    """Paint the sides of a box that face the camera, each in its shade.
+
+    Args:
+        canvas: picture to paint on.
+        box: the box, posed in the world.
+        grey: grey of a fully lit side, 0 to 255.
+        sides: indices in `BOX_SIDES` of the sides that are painted, if they face the camera.
+    """
     normals = SIDE_NORMALS @ box.pose[:3, :3].T
     corners = (SIDE_CORNERS * np.array(box.size)) @ box.pose[:3, :3].T + box.pose[:3, 3]
     for i in sides:

@@ -37,7 +37,13 @@ class Props(SceneProps, Generic[FileModelT]):
     """True if `painted` includes its solids; otherwise the camera sees them as plain boxes."""
 
     def __init__(self, scene: Scene, spec: FileModelT, seed: int) -> None:
-        """Set up in a scene whose robot is at its start; `spec` is the section of the world's file."""
+        """Connect to a scene whose robot is at its start; `set_up` then creates the things.
+
+        Args:
+            scene: true state of the world.
+            spec: section of the world's file.
+            seed: seed of all that the domain draws.
+        """
         self.scene, self.spec, self.seed = scene, spec, seed
 
     @classmethod

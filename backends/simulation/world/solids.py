@@ -62,7 +62,12 @@ def room_of(world: WorldFile) -> list[Solid]:
 
 
 def of_wall(wall: Wall, index: int) -> Solid:
-    """Return a wall, ends included."""
+    """Return a wall as a solid, half its thickness longer at both ends.
+
+    Args:
+        wall: section of the world's file.
+        index: index of the wall in that file, from 0, which gives its name.
+    """
     (ax, ay), (bx, by) = wall.from_m, wall.to_m
     pose = Pose2((ax + bx) / 2, (ay + by) / 2, math.atan2(by - ay, bx - ax)).lift(WALL_HEIGHT / 2)
     length = math.hypot(bx - ax, by - ay) + wall.thickness_m
@@ -126,9 +131,10 @@ class FloorPlan:
         return np.column_stack((self.cos * dx + self.sin * dy, self.cos * dy - self.sin * dx))
 
     def gap(self, base: Pose2, footprint: Footprint, time: float) -> tuple[float, str]:
-        """Return the distance of a footprint at world_T_base to the nearest outline in [m], and its name.
+        """Return the distance of a footprint at world_T_base to the nearest present outline in [m], and its
+        name.
 
-        Below 0 they overlap.
+        Below 0 they overlap; infinity without outlines.
         """
         if footprint.is_disc:
             away, name = self.clearance(base.x, base.y, time)
@@ -162,7 +168,9 @@ class FloorPlan:
         return np.asarray(distance + np.minimum(np.maximum(out_x, out_y), 0.0))
 
     def clearance(self, x: float, y: float, time: float) -> tuple[float, str]:
-        """Return the distance of a point to the nearest present outline in [m], below 0 inside, and its name.
+        """Return the distance of a point to the nearest present outline in [m], and its name.
+
+        Below 0 the point is inside; infinity if no outline is present.
 
         Args:
             x: in the world, in [m].

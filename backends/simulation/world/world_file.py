@@ -181,7 +181,9 @@ class WorldFile(FileModel):
 
 
 def each_once(what: str, names: Iterable[str]) -> None:
-    """Raise ValueError, as a model's validator does, if a name occurs twice."""
+    """Raise ValueError, as a model's validator does, if a name occurs twice; `what` is their noun in the
+    message.
+    """
     twice = sorted(name for name, times in Counter(names).items() if times > 1)
     if twice:
         raise ValueError(f"{what} {', '.join(twice)} is there twice; allowed: each once")

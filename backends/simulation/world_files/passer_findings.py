@@ -27,7 +27,13 @@ SQUEEZE_M = 0.1  # by which a body may come nearer to a solid than its radius: s
 def passer_findings(
     loaded: Loaded[WorldFile], robot: RobotFile, solids: Sequence[Solid]
 ) -> Iterator[Finding]:
-    """Yield passers who walk through something solid, or begin where the robot starts."""
+    """Yield findings on passers who walk through something solid, or begin where the robot starts.
+
+    Args:
+        loaded: the world's file, with the places of its values.
+        robot: robot that is put into it.
+        solids: all solids of the world; those that come or go are not checked.
+    """
     world = loaded.value
     if not world.passers:
         return
