@@ -143,7 +143,15 @@ def run(
 
 
 def check(file: Path | str, *, set: Settings | None = None) -> FileCheck:
-    """Read a file with all files that it names, and return what is wrong with them; nothing moves."""
+    """Read a file with all files that it names, and return what is wrong with them; nothing moves.
+
+    Args:
+        file: path of a task's, a robot's or another file, or the name of a task or robot.
+        set: parameters of a task, checked as values of its file.
+
+    Returns:
+        Faults (`findings`), `warnings` and facts; a file that cannot be read is one with findings.
+    """
     from handcart.tools.commands.check_file import file_facts
 
     try:
@@ -159,6 +167,10 @@ def check(file: Path | str, *, set: Settings | None = None) -> FileCheck:
 
 def load_task(file: Path | str, *, set: Settings | None = None) -> Task:
     """Read a task's file and its action network.
+
+    Args:
+        file: its file, or the name of a task.
+        set: parameters of the task, in place of those of its file.
 
     Raises:
         FileError: with all faults of the task.
@@ -269,7 +281,15 @@ def conformance(
     parts: Sequence[str] = (),
     jobs: int = 2,
 ) -> KitReport:
-    """Test whether backend, robot and primitives keep their contracts (docs/how_to/conformance.md)."""
+    """Test whether backend, robot and primitives keep their contracts (docs/how_to/conformance.md).
+
+    Args:
+        backend: name of the backend.
+        robot: name of a robot, or path of its file.
+        quick: True for few faults and no complete tasks; False for everything.
+        parts: any of `checks`, `faults`, `mutants` and `tasks` (default: all, but no `tasks` if `quick`).
+        jobs: number of parallel processes.
+    """
     from handcart.evaluation.conformance.kit import KitSetting, run_kit
 
     return run_kit(KitSetting(backend, robot, quick, parts), jobs)

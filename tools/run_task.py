@@ -200,7 +200,13 @@ def _dry_run(task: Path, *options: Any) -> int:
 
 
 def _tell(summary: dict[str, Any], as_json: bool, progress: Progress) -> None:
-    """Print how the run ended, and which commands may be next."""
+    """Print how the run ended, and which commands may be next.
+
+    Args:
+        summary: content of the run's `summary.json`.
+        as_json: True to print it as JSON on stdout.
+        progress: output for a person.
+    """
     if as_json:
         import orjson
 

@@ -93,7 +93,9 @@ class GoalStream:
         return f"{self.name}: a goal of another node is executed; allowed: goals of this program alone"
 
     def forget(self) -> None:
-        """Forget all goals."""
+        """Stop watching the goals that were sent, without cancelling them, and clear what went wrong so
+        far.
+        """
         self._watched, self.trouble = [], ""
 
     def _wrong(self, each: _Watched) -> str:

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 from handcart.files.yaml.scalars import Scalar
 
 KeyPath: TypeAlias = tuple[str | int, ...]
-"""Path from the root of a file to a value, as keys and indices: `("places", 3, "width_mm")`."""
+"""Path from the root of a file to a value, as keys and indices such as `("places", 3, "width_mm")`."""
 
 
 @dataclass(frozen=True, slots=True)

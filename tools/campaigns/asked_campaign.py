@@ -57,7 +57,8 @@ class AskedCampaign:
 
     @contextmanager
     def opened(self) -> Iterator[OpenCampaign]:
-        """Yield the checked campaign with its folder, or with a temporary one.
+        """Check the campaign; yield it with its folder, or with a temporary folder that ends with the
+        context.
 
         Raises:
             InputError: something isn't possible, in words; nothing has moved.
@@ -260,11 +261,14 @@ class OpenCampaign:
         return CampaignReport(trials if self.settling is None else trials[: self.settling.count], holds)
 
     def write_page(self, report: CampaignReport, runs: bool = True) -> Path | None:
-        """Write the campaign's page into its folder, if it has one; a campaign of a rare event has no page.
+        """Write the campaign's page into its folder, and return the page's path.
 
         Args:
             report: report on the trials that count.
             runs: True to write pages of the most interesting runs, too.
+
+        Returns:
+            The path; None without a folder, and for a campaign of a rare event, which has no page.
 
         Raises:
             OSError: it cannot be written.

@@ -145,7 +145,13 @@ def _words(opened: OpenCampaign, found: CampaignReport, interrupted: bool) -> Ca
 
 
 def _run(opened: OpenCampaign, jobs: int | None, cluster: str | None) -> bool:
-    """Run the missing trials with a progress bar; return whether the user interrupted them."""
+    """Run the missing trials with a progress bar; return True if the user interrupted them.
+
+    Args:
+        opened: the checked campaign.
+        jobs: parallel processes; None: as in `OpenCampaign.run`.
+        cluster: address, or file, of a Dask scheduler whose workers run them instead; None: no cluster.
+    """
     from rich.console import Console
     from rich.progress import Progress
 

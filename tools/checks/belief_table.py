@@ -9,7 +9,11 @@ if TYPE_CHECKING:
 
 
 def belief_facts(network: ActionNetwork) -> tuple[dict[str, Any], list[str]]:
-    """Return the judgement with which a run begins, as fields and as lines of text; empty without beliefs."""
+    """Return how sure the task's policy is at the start, by its beliefs about probabilities, as fields and as
+    lines of text.
+
+    Both are empty for a task without beliefs, or one that starts at its goal.
+    """
     from handcart.networks.deciding.planners import planner_of
 
     if network.belief is None:

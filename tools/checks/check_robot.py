@@ -91,7 +91,13 @@ def robot_facts(
 
 
 def contents_lines(contents: Contents, chosen: Collection[str], every: bool) -> list[str]:
-    """Return joints, links and meshes as tables, or the `chosen` joints and a summary of the others."""
+    """Return the contents of a URDF as lines of text.
+
+    Args:
+        contents: joints, links and meshes of the URDF.
+        chosen: names of the joints that are listed; the others are only counted.
+        every: True to list each joint, link and mesh instead.
+    """
     if every:
         return lines_of(*(part for table in _tables(contents) for part in (table, "")))
     rows = [_joint(joint) for joint in contents.joints if joint.name in chosen]

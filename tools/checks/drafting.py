@@ -47,11 +47,15 @@ def write_draft(draft: Path, urdf: Path, report: UrdfReport) -> None:
 
 
 def write_expanded(file: Path, draft: Path) -> Path:
-    """Write the URDF that xacro makes of a file beside a draft; return its path.
+    """Write the URDF that xacro makes of a file; return its path, in the folder of the draft.
+
+    Args:
+        file: the xacro file.
+        draft: path of the robot's file that will be drafted; it must not exist yet.
 
     Raises:
         FileError: xacro rejects the file, or is not installed.
-        InputError: it can't be written there.
+        InputError: the URDF or the draft exists already, or can't be written there.
     """
     from handcart.tools.terminal.writing import write_text
 

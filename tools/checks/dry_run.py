@@ -17,7 +17,20 @@ def dry_run(
     script: Path | None,
     as_json: bool,
 ) -> int:
-    """Check a task with all its files, and print what would be done; return the exit status of such a run."""
+    """Check a task with all its files, print the actions of an imagined run, and return its exit status.
+
+    Args:
+        task: the task's file.
+        backend: another backend than the task names; None: the task's.
+        settings: KEY=VALUE each: parameters of the task.
+        seed: seed of a run.
+        situation: situation in which the run begins; None: the task's start.
+        script: file with the outcomes of the actions; None: each succeeds.
+        as_json: True to print one JSON object instead of lines.
+
+    Raises:
+        FileError: with all faults of the task's files.
+    """
     import orjson
 
     from handcart.backends.loading.robot_loading import load_robot

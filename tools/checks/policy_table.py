@@ -14,13 +14,18 @@ if TYPE_CHECKING:
 MAX_PERSON_S = 1e6
 """Largest price of a person that a task's file accepts, in [s]."""
 COPY_NUMBER = re.compile(r"\[\d+\]")
-"""Number of an element's copy in the name of a situation."""
+"""Part of a situation's name, such as `[2]`, that numbers the copies that a `repeat` makes of it."""
 FOUND_SHARE = 1e-3
 """Relative difference of the best price and its lower bound from which the bound is printed."""
 
 
 def comparison_lines(found: PolicyComparison, person_s: float) -> Iterator[str]:
-    """Yield the table of both policies, and the decisions in which they differ."""
+    """Yield the table of both policies, and the decisions in which they differ, as lines of text.
+
+    Args:
+        found: the rule and the best policy, with their prices.
+        person_s: price in [s] of an end short of the goal, at which a person has to come.
+    """
     yield f"policies side by side (price: time, and {person_s:g} s for each end short of the goal):"
     yield f"  {'policy':<18}{'P(goal)':>20}{'mean':>12}{'95 %':>12}{'price':>20}"
     yield from (f"  {_row(item)}" for item in (found.rule, found.best))
@@ -65,7 +70,9 @@ def _ranged(bounds: tuple[float, float], form: str, same: float) -> str:
 
 
 def _differences(found: PolicyComparison) -> Iterator[str]:
-    """Yield a line for each difference; copies for the elements of a `repeat` share one."""
+    """Yield a line for each decision in which the policies differ; copies that a `repeat` makes share one
+    line.
+    """
     alike: dict[str, list[PolicyDifference]] = {}
     for difference in found.differences:
         words = f"{difference.situation} {difference.fails} {difference.rule} {difference.best}"

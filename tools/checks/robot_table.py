@@ -38,7 +38,11 @@ class RobotRow(NamedTuple):
     """Why the robot cannot be read, such as a package that is not installed."""
 
     def line(self, wide: int) -> str:
-        """Return the row as text, with the robot's name in a column of `wide` characters."""
+        """Return the row as text: the robot's name, its backends and primitives, or why it cannot be read.
+
+        Args:
+            wide: width of the column of names, in characters.
+        """
         rest = self.wrong or f"{', '.join(self.backends)}: {', '.join(self.primitives)}"
         return f"{self.robot:<{wide}}  {rest}"
 

@@ -122,7 +122,9 @@ def check(
 
 
 def check_quietly(file: Path) -> dict[str, Any]:
-    """Return the facts that `check` would print; raises the errors that it would report."""
+    """Return the facts of a file without the checks that take seconds; raises the errors that `check`
+    reports.
+    """
     return file_facts(file, {}, CheckOptions(quick=True))
 
 
@@ -174,10 +176,15 @@ def _places(findings: Iterable[Finding]) -> list[dict[str, Any]]:
 
 
 def file_facts(file: Path, settings: dict[str, str], asked: CheckOptions = CheckOptions()) -> dict[str, Any]:
-    """Return the facts of a file.
+    """Check a file and return its facts.
 
-    They are fields of `handcart check --json`, and in addition `lines` and `warnings` as text, and the
-    faults of the task's places (`errors`).
+    They are fields of `handcart check --json`, and in addition `lines` and `warnings` as text, and the faults
+    of the task's places (`errors`).
+
+    Args:
+        file: path of the file, or the name of a task or robot.
+        settings: unparsed parameters of a task, by name.
+        asked: options of the command.
 
     Raises:
         FileError: with all faults of the file.

@@ -68,6 +68,11 @@ class Guard(OwnPage):
 
 
 def said(status: int, words: str) -> web.Response:
-    """Return an answer as text."""
+    """Return an answer of the server that has text alone.
+
+    Args:
+        status: HTTP status.
+        words: the text.
+    """
     body = {"ok": status < 400, "error": words}
     return web.json_response(body, status=status, headers=PAGE_HEADERS)

@@ -27,7 +27,12 @@ class Lease:
         return bool(tab) and self._current() == tab
 
     def take(self, tab: str, name: str) -> None:
-        """Give the lease to a tab, whichever tab had it before."""
+        """Give the lease to a tab, whichever tab had it before.
+
+        Args:
+            tab: identifier of the tab.
+            name: name of the operator, which all tabs show.
+        """
         self._holder, self._name = tab, name
         self._since_gone = self._clock()
 
@@ -49,7 +54,9 @@ class Lease:
             self._since_gone = self._clock()
 
     def holder(self) -> dict[str, Any]:
-        """Return the holder, for all clients."""
+        """Return identifier (`tab`) and `name` of the tab that may command, for all clients; "" if none
+        may.
+        """
         return {"tab": self._current(), "name": self._name}
 
     def _current(self) -> str:

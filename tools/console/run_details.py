@@ -63,9 +63,15 @@ class RunDetails:
         }
 
     def after(self, situation: str, action: int) -> dict[str, Any]:
-        """Return P(goal) if the waiting action is permitted, has succeeded, or is refused.
+        """Return the probabilities of reaching the goal if the waiting action is permitted, has succeeded, or
+        is refused.
 
-        The reason is returned if that cannot be computed.
+        Args:
+            situation: present situation of the run.
+            action: index of the waiting action in the network.
+
+        Returns:
+            `permitted`, `succeeded` and `refused`; or the reason, as `unknown`, why they cannot be computed.
         """
         run = self._run
         try:
@@ -77,10 +83,14 @@ class RunDetails:
             return {"unknown": str(error).splitlines()[0]}
 
     def why(self, number: int) -> dict[str, Any]:
-        """Return why an action was chosen: each alternative with its P(goal) and time, line by line.
+        """Return why an action was chosen.
 
         Args:
             number: number of the action in the run, from 1.
+
+        Returns:
+            `why`: each alternative with its P(goal) and time, line by line; or the reason, as `unknown`, why
+            that is not known.
 
         Raises:
             JournalError: the journal's content is inconsistent.

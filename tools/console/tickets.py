@@ -27,7 +27,12 @@ class Tickets:
         self._given: dict[str, Ticket] = {}
 
     def give(self, folder: Path, name: str) -> str:
-        """Issue a ticket for a file in a folder, and return its word."""
+        """Return a new random word with which a file can be opened once within `VALID_S` seconds.
+
+        Args:
+            folder: folder of the run.
+            name: path of the file in that folder.
+        """
         while len(self._given) >= MAX_TICKETS:
             del self._given[next(iter(self._given))]
         word = secrets.token_urlsafe(24)

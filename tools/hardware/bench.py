@@ -151,7 +151,15 @@ def _serve_drives(
 
 
 def _check_free(bus: can.BusABC, spec: CanSpec, interface: str, channel: str, robot: str) -> None:
-    """Raise `ChannelTaken` if another bench or robot is on the channel."""
+    """Raise `ChannelTaken` if another bench or robot is on the channel.
+
+    Args:
+        bus: open bus, without any of our nodes.
+        spec: section `can` of the robot's file.
+        interface: name of the python-can interface.
+        channel: name of the channel.
+        robot: name of the robot, from which another channel is proposed.
+    """
     from handcart.backends.can.bus.channel_use import other_channel_hint, taken_by
     from handcart.backends.can.bus.errors import ChannelTaken
 

@@ -64,7 +64,14 @@ def told_apart(first: Path, second: Path) -> tuple[str, str]:
 
 
 def report(found: MapComparison, first: str, second: str, as_json: bool) -> None:
-    """Print how two maps fit, in words or as JSON."""
+    """Print how two maps fit, in words or as JSON.
+
+    Args:
+        found: comparison of the maps.
+        first: name of the first map in the text.
+        second: name of the second map in the text.
+        as_json: True for one JSON object.
+    """
     import orjson
 
     pose, names = found.first_T_second, (first, second)

@@ -28,8 +28,14 @@ def read_map(path: Path) -> GridMap:
 def save_map(path: Path, grid: GridMap, source: Path) -> None:
     """Write a map's YAML file and picture, and print its size.
 
+    Args:
+        path: file to write; its folder is made if it is missing.
+        grid: the map.
+        source: file that the map was read from, which must be another one.
+
     Raises:
-        NotWritable: the folder is missing, or it is the file that was read.
+        typer.BadParameter: the path has another suffix than a map's file.
+        NotWritable: the folder cannot be made or written into, or it is the file that was read.
     """
     if path.suffix != MAP_SUFFIX:
         raise typer.BadParameter(f"{path} is not a map's file; allowed: a name that ends in {MAP_SUFFIX}")

@@ -128,7 +128,12 @@ def names_of(name: str) -> dict[str, str]:
 
 
 def write_new(kind: Starter, name: str, folder: Path) -> list[Path]:
-    """Write the files of a kind into a new or empty folder, and return their paths.
+    """Write the files of a new project into a new or empty folder, and return the files' paths.
+
+    Args:
+        kind: kind of project.
+        name: its name: lower case, words joined by `_`.
+        folder: the folder.
 
     Raises:
         NotAName: see `names_of`.
@@ -154,7 +159,12 @@ def write_new(kind: Starter, name: str, folder: Path) -> list[Path]:
 
 
 def write_robot(path: Path, name: str) -> tuple[Path, Path]:
-    """Write a robot's file and its URDF from the shipped cart, and return both paths."""
+    """Write a robot's file and its URDF from the shipped cart, and return both paths.
+
+    Args:
+        path: robot's file to write; one called `wheels.yaml` has no lidar.
+        name: name of the robot, and of the URDF beside the file.
+    """
     cart, urdf = SHIPPED_ROBOTS_FOLDER / "cart", path.with_name(f"{name}.urdf")
     is_blind = path.name == WHEELS_FILE
     dropped = "can|range_sensor" if is_blind else "can"

@@ -60,8 +60,11 @@ class LastRun(NamedTuple):
 
 
 def start_apart(words: Sequence[str], said: IO[bytes]) -> subprocess.Popen[bytes]:
-    """Start a program in a new session (`setsid`), so that it outlives this one; its output goes to a
-    file.
+    """Start a program in a new session (`setsid`), so that it outlives this one.
+
+    Args:
+        words: command and arguments.
+        said: open file that receives stdout and stderr.
     """
     return subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=said, stderr=said, start_new_session=True)
 
@@ -100,7 +103,7 @@ class RunDesk:
         self._looked: tuple[object, LastRun | None] = (None, None)
 
     def offer(self, link: ServingLink) -> None:
-        """Offer all services."""
+        """Offer the services that start a run of each task, acknowledge and resume."""
         for name in self._tasks:
             link.serve(f"{SERVICE_PREFIX}/run/{name}", lambda name=name: self.request(name))  # type: ignore[misc]
         link.serve(f"{SERVICE_PREFIX}/acknowledge", self.acknowledge)
@@ -108,7 +111,9 @@ class RunDesk:
 
     def state(self) -> dict[str, Any]:
         """Return the offered tasks, the running run, what waits for a person, and the run that can be
-        resumed; people read it now.
+        resumed.
+
+        The caller publishes it: what is new in it can be acknowledged or resumed only `READ_S` later.
         """
         last = self._last()
         if last != self._read[0]:

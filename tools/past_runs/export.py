@@ -41,7 +41,13 @@ def export(
 
 
 def _task(path: Path, to: str, file: Path | None) -> None:
-    """Write a task in a format; without a file to stdout."""
+    """Write a task in a format of other programs.
+
+    Args:
+        path: the task's file.
+        to: name of the format: bt, scxml or jani.
+        file: file to write; None: stdout.
+    """
     import sys
 
     from handcart.evaluation.interchange.exporting import FORMAT_WRITERS, exported

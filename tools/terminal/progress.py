@@ -102,7 +102,7 @@ class Progress(RunObserver):
                 self._tell("writing down what was seen")
 
     def period(self, robot: Robot) -> None:
-        """Update the time on a terminal."""
+        """Update the elapsed time on a terminal."""
         if robot.time >= self._next:
             self._next = robot.time + 0.5
             self._status.update(f"[dim]{robot.time:8.1f} s[/dim]  {self._now}{self._how_far(robot.time)}")
@@ -112,7 +112,12 @@ class Progress(RunObserver):
         self._print(escape(printable(words)))
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
-        """Print the warnings for the user before the run starts."""
+        """Print the warnings for the user, the run's folder and how to stop, before the run starts.
+
+        Args:
+            prepared: the checked task with its robot.
+            run_dir: folder of the run.
+        """
         self._run_dir = run_dir
         self._tell("planning")
         for words in prepared.warnings:
@@ -122,7 +127,7 @@ class Progress(RunObserver):
         self._print(f"[dim]{escape(words)}[/dim]")
 
     def ask(self, action: Action) -> None:
-        """Ask the operator for permission."""
+        """Print the question whether an action may start, and the commands that answer it; doesn't wait."""
         here = " y or n and Enter, or:" if sys.stdin.isatty() else ""
         self._status.stop()
         run = shlex.quote(str(self._run_dir))

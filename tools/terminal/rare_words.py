@@ -16,7 +16,13 @@ class RareWords:
     """Texts on the results of a campaign's populations."""
 
     def __init__(self, trials: Sequence[Trial], arguments: Mapping[str, Any], interrupted: bool) -> None:
-        """Create the texts from a campaign's trials, and the arguments that its folder keeps."""
+        """Create the texts.
+
+        Args:
+            trials: trials of the campaign, each a population of runs.
+            arguments: arguments that the campaign's folder keeps.
+            interrupted: True if the campaign was interrupted.
+        """
         self._trials, self._arguments, self._interrupted = trials, arguments, interrupted
         self._event: Mapping[str, Any] = arguments["rare"]
 

@@ -36,7 +36,13 @@ def flow_list(values: Sequence[float] | Sequence[str]) -> CommentedSeq:
 
 
 def put(data: CommentedMap, key: str, value: Any) -> None:
-    """Set a value by its dotted key; missing keys on the way are added after the existing ones."""
+    """Set a value by its dotted key, in place of an existing one.
+
+    Args:
+        data: ruamel's data of the file, which is changed.
+        key: such as `arm.accuracy_mm`; missing keys on the way are added after the existing ones.
+        value: the value.
+    """
     *way, last = key.split(".")
     gap = ""
     for name in way:

@@ -19,7 +19,12 @@ class UtcOrder:
     """
 
     def __init__(self, late: float) -> None:
-        """Begin without a time; `late` is how much later than usual a time may arrive, in [s]."""
+        """Begin without a time.
+
+        Args:
+            late: how much later than usual a time may arrive, in [s]; one that is earlier by more has to be
+                confirmed.
+        """
         self._late = late
         self._last: tuple[float, float] | None = None
         """Time of day and time of this machine's clock of the last reading that counted, in [s]."""

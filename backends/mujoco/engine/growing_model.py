@@ -33,7 +33,7 @@ class GrowingModel:
         return self._compiled
 
     def changed(self) -> None:
-        """Note that `world` was changed."""
+        """Let the model be compiled again when it is next used, because `world` was changed."""
         self._grown = True
 
     def links(self) -> Any:
@@ -45,7 +45,7 @@ class GrowingModel:
         return data
 
     def displaced(self) -> None:
-        """Note that coordinates have changed: poses are computed when they are needed."""
+        """Let poses be computed again when they are next read, because coordinates were changed."""
         self._stale = True
 
     def forget(self) -> None:

@@ -76,13 +76,13 @@ class MujocoEngine(Engine):
         return self._grown.both()[1]
 
     def grow(self) -> int:
-        """Note that a body was added to `world`; return its number."""
+        """Let the model be compiled again, because a body was added to `world`; return the body's number."""
         self._grown.changed()
         self._forms.append(None)
         return len(self._forms) - 1
 
     def changed(self) -> None:
-        """Note that `world` was changed."""
+        """Let the model be compiled again when it is next used, because `world` was changed."""
         self._grown.changed()
 
     def link_body(self, number: int, link: int) -> int:

@@ -111,7 +111,8 @@ class WorldBodies:
 
     @property
     def made(self) -> list[tuple[int, int] | str]:
-        """Bodies created after the start, in order: (column, row) of a tile of ground, name of a thing.
+        """Bodies created after the start, in their order, each as (column, row) of a tile of ground or name
+        of a thing.
 
         To set them is to create those of a saved run that are missing here; their things must be in the
         scene.

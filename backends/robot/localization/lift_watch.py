@@ -46,7 +46,7 @@ class LiftWatch:
         return None
 
     def note_contact(self) -> None:
-        """Note that the base ran into something: it may slide now."""
+        """Note that the base ran into something: in the next periods scans may change because it slides."""
         self._may_slide = SLIDING_PERIODS
 
     def reset(self) -> None:

@@ -256,7 +256,7 @@ class Localization(ABC):
         self.set_origin()
 
     def locate(self, pose: Pose2, covariance: FloatArray) -> None:
-        """Set map_T_base, found by a search, with its covariance (3, 3) in [m] and [rad]."""
+        """Return to the map at map_T_base, found by a search, with covariance (3, 3) in [m] and [rad]."""
         assert self.map_field is not None
         self.local_map = self.lifted = None
         self._wheels.change_map(self.map_field, pose, covariance)

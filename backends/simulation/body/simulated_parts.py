@@ -47,7 +47,7 @@ class CommandedBase(Base):
         return self._travel
 
     def halt(self) -> None:
-        """Forget the command."""
+        """Drop the command, so that the wheels stop in the next period."""
         self._command = DriveCommand()
 
     def _take_command(self) -> DriveCommand:

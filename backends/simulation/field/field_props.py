@@ -26,8 +26,8 @@ SENSOR_BITE_M = 0.035  # [m] of a sensor's height between the fingers
 class FieldProps(Props[FieldSection]):
     """Sensors by their numbers, as the robot's magazine gives them to the hand.
 
-    It puts the next one between the open fingers when the arm is in its posture `home`, the hand empty. What
-    the fingers let go there, it takes back.
+    The magazine puts the next sensor between the open fingers when the arm is in its posture `home` and the
+    hand is empty. It takes back a sensor that the fingers let go there.
     """
 
     section = FieldSection
