@@ -31,7 +31,14 @@ class BackendPlant(Plant):
     """
 
     def __init__(self, robot: RobotFile, spec: CanSpec, axes: Axes, inner: Backend) -> None:
-        """Connect drives to a backend in its initial state."""
+        """Connect drives to a simulated robot in its initial state.
+
+        Args:
+            robot: robot file.
+            spec: section `can` of that file.
+            axes: the drives, as the program plans them.
+            inner: simulated robot that the drives move.
+        """
         self._robot, self.inner, self._axes = robot, inner, axes
         self._base = inner.get(Base)  # type: ignore[type-abstract]
         self._arm = inner.get(Arm) if self._axes.joints else None  # type: ignore[type-abstract]

@@ -25,7 +25,14 @@ class MujocoPlanarDrive(PlanarDrive):
     """
 
     def __init__(self, engine: MujocoEngine, mass: float, inertia: float, prefix: str) -> None:
-        """Drive a base of a mass in [kg] and an inertia in [kg m²] about the vertical."""
+        """Drive a base that has the servos of `add_planar_drive`.
+
+        Args:
+            engine: engine with the robot.
+            mass: mass of the robot, in [kg].
+            inertia: moment of inertia of the robot about the vertical, in [kg m²].
+            prefix: prefix of the names of the robot's joints and servos.
+        """
         self._engine = engine
         self._numbers = [int(engine.model.actuator(prefix + _name(axis)).id) for axis in DRIVE_AXES]
         self._gain = np.array([mass, mass, inertia]) / CATCHES_UP_S

@@ -34,8 +34,14 @@ class Slipping:
         """Rigid connection, slipping or not."""
 
     def hold(self, model: Any, data: Any, pinned: Pinned, hand: int, other: int) -> None:
-        """Hold two of MuJoCo's bodies together: those with the numbers `hand` and `other`, at the points of
-        `pinned`.
+        """Hold two of MuJoCo's bodies together at points, from now on.
+
+        Args:
+            model: MuJoCo's model.
+            data: MuJoCo's data.
+            pinned: the points in the frames of both bodies, and the force that they bear.
+            hand: MuJoCo's number of the hand's body.
+            other: MuJoCo's number of the held thing's body.
         """
         self.pinned = pinned
         self._pins.close(model, data, pinned, hand, other)
@@ -46,7 +52,9 @@ class Slipping:
         self._pins.open(data)
 
     def look(self, model: Any, data: Any, hand: int, other: int) -> None:
-        """Let the thing slide after a step if it is pulled harder than it is held; otherwise hold it."""
+        """After a step, let the held thing slide if it is pulled harder than it is held; hold it again once
+        it stays.
+        """
         pinned = self.pinned
         assert pinned is not None
         if self._pins.closed(data):

@@ -37,7 +37,10 @@ def localization_of(
     lidar: RangeSensor | None,
     is_start_exact: bool = False,
 ) -> Localization:
-    """Return the localization named in the robot's file; wheels alone if its sensors are missing.
+    """Return the localization named in the robot's file, or another one if its sensors are missing.
+
+    Without a positioning system scans are matched instead; without a map or a lidar the wheels alone remain.
+    The outdoor localizations need an IMU.
 
     Args:
         backend: backend of the robot, which is at rest.

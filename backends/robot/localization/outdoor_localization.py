@@ -40,7 +40,15 @@ class OutdoorLocalization(Localization):
         filtering: FieldLocalizer,
         lidar: RangeSensor | None = None,
     ) -> None:
-        """Begin with a robot at rest that has gyros."""
+        """Begin with a robot at rest that has gyros.
+
+        Args:
+            backend: backend of the robot.
+            wheels: estimator by the wheels alone.
+            filtering: filter of all outdoor sensors.
+            lidar: lidar with interpreted scans, which show whether something holds or moves the base; None
+                without one.
+        """
         super().__init__(backend, wheels, lidar)
         self._filter, self._period = filtering, backend.period
         imu = backend.get(Imu)  # type: ignore[type-abstract]

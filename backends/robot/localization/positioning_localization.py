@@ -21,7 +21,13 @@ class PositioningLocalization(Localization):
     def __init__(
         self, backend: Backend, filtering: PositioningLocalizer, lidar: RangeSensor | None = None
     ) -> None:
-        """Begin with a robot at rest."""
+        """Begin with a robot at rest.
+
+        Args:
+            backend: backend of the robot, which has a positioning system.
+            filtering: filter of wheels and readings.
+            lidar: lidar with interpreted scans; None without one.
+        """
         super().__init__(backend, filtering, lidar)
         self._filter, self._period = filtering, backend.period
         positioning = backend.get(Positioning)  # type: ignore[type-abstract]

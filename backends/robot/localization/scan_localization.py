@@ -36,7 +36,13 @@ class ScanLocalization(Localization):
     STATE: ClassVar[Kinds] = {**Localization.STATE, "_map_error_then": FloatArray}
 
     def __init__(self, backend: Backend, matching: ScanLocalizer, lidar: RangeSensor | None) -> None:
-        """Begin with a robot at rest, and match a scan at once."""
+        """Begin with a robot at rest, and match a scan at once.
+
+        Args:
+            backend: backend of the robot.
+            matching: estimator of the pose, with its map.
+            lidar: lidar with interpreted scans; must not be None.
+        """
         super().__init__(backend, matching, lidar)
         self._matching, self._map_error_then = matching, np.zeros((3, 3))
         self.map_field = matching.field

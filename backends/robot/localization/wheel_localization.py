@@ -38,7 +38,13 @@ class WheelLocalization(Localization):
     STATE: ClassVar[Kinds] = {**Localization.STATE, "_unanswered": float}
 
     def __init__(self, backend: Backend, wheels: OdometryLocalizer, lidar: RangeSensor | None = None) -> None:
-        """Begin with a robot at rest."""
+        """Begin with a robot at rest.
+
+        Args:
+            backend: backend of the robot.
+            wheels: estimator by the wheels, with the field of the map if one is given.
+            lidar: lidar with interpreted scans; None without one.
+        """
         super().__init__(backend, wheels, lidar)
         self._reckoning = wheels
         self.map_field = wheels.field
