@@ -11,11 +11,14 @@ _MAX_ENTRIES = 5000  # of a folder that are looked at
 
 
 def suggest(name: str, allowed: Iterable[str]) -> str:
-    """Return the second half of a message about an unknown name, such as `"; did you mean 'speed'? allowed:
-    place, speed"`.
+    """Return the second half of a message about an unknown name.
 
-    The question is there only if an allowed name is similar. The list has the given order and is cut after
-    twelve names; without any it is `"; allowed: nothing"`.
+    Such as `"; did you mean 'speed'? allowed: place, speed"`. The question is there only if an allowed name
+    is similar. The list has the given order and is cut after twelve names; without any it is `nothing`.
+
+    Args:
+        name: the unknown name.
+        allowed: names that would have been valid.
     """
     names = list(dict.fromkeys(allowed))
     near = nearest(name, names)
