@@ -40,7 +40,10 @@ class Influence:
     None: a part of the network would have too many states, and only `bounds` are known.
     """
     alternative: Forecast | None
-    """Forecast with a second action next to it, of the same cost, attempts and probabilities; or None."""
+    """Forecast with a second action next to it, of the same cost, attempts and probabilities.
+
+    None in the same case as `one_more`.
+    """
     bounds: tuple[float, float] = (0.0, 0.0)
     """Least and largest change of P(goal) by one more attempt or by the alternative.
 

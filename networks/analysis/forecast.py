@@ -47,7 +47,7 @@ class Forecast:
     unknown: float = 0.0
     """Probability that a run comes to a state that was not looked at; 0: all figures are exact.
 
-    Each of the probabilities above is too small by at most this, and the cost ends at such states.
+    Each of the probabilities above is too small by at most this, and costs after such states are missing.
     """
     cost_high_s: float = 0.0
     """Upper bound of the expected cost, in [s]."""

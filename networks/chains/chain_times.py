@@ -42,7 +42,8 @@ def time_quantile(
         mean_actions: average number of actions of a run.
         share: share of the runs.
         seed: seed of the walks.
-        calls: True if a run ends in states that were not looked at.
+        calls: True if a person is called in states that were not looked at, so that runs end there; False
+            if they may take any time from there, so that the upper bound may be infinite.
     """
     count = int(min(WALK_COUNT, max(100.0, MAX_WALK_STEPS / max(1.0, mean_actions))))
     walks = _Walks(count, np.random.default_rng([23, seed]))

@@ -45,7 +45,7 @@ class RouteFinder:
     """
 
     def __init__(self, network: ActionNetwork) -> None:
-        """Prepare the ways of a network without further results, renewals and unlimited attempts."""
+        """Prepare a network, which must have no further results, renewals or unlimited attempts."""
         self._place = {name: number for number, name in enumerate(network.situations)}
         self._goal = self._place[network.goal]
         column = {counter: number for number, counter in enumerate(network.shared)}

@@ -67,7 +67,18 @@ def policy(
     start: State | None = None,
     chances: Chances | None = None,
 ) -> Policy:
-    """Return the decisions of the rule in all states that runs can reach from the start."""
+    """Return the decisions of the rule in all states that runs can reach from the start.
+
+    Args:
+        network: the network.
+        for_good: whether to include Fails that use up all attempts at once.
+        effort: budget; None: `budget_of`.
+        start: state in which the runs begin; None: the network's start without a Fail.
+        chances: outcome probabilities, to leave out Fails of probability 0; None: all Fails may happen.
+
+    Raises:
+        TooLarge: the budget does not suffice.
+    """
     found = explored(network, for_good, effort, start, chances)
     if not found.is_complete:
         raise TooLarge(network, len(found.steps))
@@ -81,7 +92,10 @@ def explored(
     start: State | None = None,
     chances: Chances | None = None,
 ) -> Policy:
-    """Return the decisions of the rule in the states that runs can reach, as far as the budget suffices."""
+    """Return the decisions of the rule in the states that runs can reach, as far as the budget suffices.
+
+    The arguments are those of `policy`. If the budget is spent, the result's `is_complete` is False.
+    """
     begin = start or State(network.start, ())
     try:
         maker = StepMaker(network, for_good, effort or Effort(budget_of(network)), chances)
@@ -95,7 +109,14 @@ def visited(
     begin: State,
     step: Callable[[State], Step | None],
 ) -> Policy:
-    """Return the decisions in all states that runs can reach from `begin`."""
+    """Return the decisions in all states that runs can reach from `begin`.
+
+    Args:
+        network: the network.
+        begin: state in which the runs begin.
+        step: returns the decision in a state, None for a state that is to be left out; a `TooMuch` that
+            it raises ends the visit. In both cases the result is not complete.
+    """
     steps: dict[State, Step] = {}
     visit = _Visit(network, steps)
     try:
@@ -137,7 +158,14 @@ class _Visit:
 
 
 def likely_policy(network: ActionNetwork, chances: Chances, effort: Effort, start: State) -> Policy:
-    """Return the states that runs reach most likely, as many as the budget allows."""
+    """Return the decisions of the rule in the states that runs reach most likely, as many as allowed.
+
+    Args:
+        network: the network.
+        chances: outcome probabilities of each action; None for a skip.
+        effort: budget; when it is spent, the states found so far are returned, as an incomplete policy.
+        start: state in which the runs begin.
+    """
     steps: dict[State, Step] = {}
     mass = {start: 1.0}
     order = itertools.count()

@@ -64,7 +64,11 @@ class Stage:
         return self._with(actions, self.numbers)
 
     def with_alternatives(self, numbers: Collection[int]) -> Stage:
-        """Return the stage with a second, equal action next to each of some actions."""
+        """Return the stage with a second, equal action next to each of some actions.
+
+        Args:
+            numbers: numbers of these actions in the complete network.
+        """
         pairs = list(zip(self.network.actions, self.numbers, strict=True))
         pairs += [pair for pair in pairs if pair[1] in numbers]
         return self._with([action for action, _ in pairs], tuple(number for _, number in pairs))

@@ -74,7 +74,7 @@ class StepMaker:
             network: the network.
             for_good: whether to consider Fails that use up all attempts at once.
             effort: budget of all steps.
-            chances: probabilities by action; an action without them is not followed. None: all may happen.
+            chances: outcome probabilities by action, to leave out Fails of probability 0; None: all happen.
         """
         effort.spend(len(network.situations) + len(network.actions))
         self._network, self._for_good, self._effort = network, for_good, effort
@@ -153,13 +153,25 @@ class Aftermath:
         return (self.at(action.target, after, kept), *others)
 
     def fail(self, action: Action, fails: Mapping[int, int], for_good: bool = False) -> State:
-        """Return the state after a Fail."""
+        """Return the state after a Fail whose cause has no situation of its own.
+
+        Args:
+            action: the action.
+            fails: counts of Fails before it.
+            for_good: True for a Fail that uses up all attempts at once.
+        """
         allowed, count = action.allowance, fails.get(action.counter, 0)
         after = allowed.used_up(count) if for_good else allowed.failed(count)
         return self.at(action.on_fail or action.source, {**fails, action.counter: after})
 
     def fails(self, action: Action, fails: Mapping[int, int], happens: bool = True) -> list[State | None]:
-        """Return the states after a Fail, first the one for all causes without their own situation."""
+        """Return the states after a Fail, first the one for all causes without their own situation.
+
+        Args:
+            action: the action.
+            fails: counts of Fails before it.
+            happens: False if the action never fails: all states are then None.
+        """
         if not happens:
             return [None] * (1 + len(action.fail_endings))
         after = {**fails, action.counter: action.allowance.failed(fails.get(action.counter, 0))}
@@ -167,7 +179,13 @@ class Aftermath:
         return [self.at(to or action.source, after) for to in every]
 
     def at(self, situation: str, fails: Mapping[int, int], committed: tuple[int, ...] = ()) -> State:
-        """Return the state in a situation, with the Fails that can still matter there."""
+        """Return the state in a situation, with the Fails that can still matter there.
+
+        Args:
+            situation: the situation.
+            fails: counts of Fails by counter.
+            committed: the actions that the plan prescribes next, as in `State`.
+        """
         if situation == self._network.goal:
             return State(situation, ())
         if not fails:

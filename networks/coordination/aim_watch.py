@@ -57,7 +57,10 @@ class AimWatch:
         self._battery: Battery | None = robot.backend.get(Battery)  # type: ignore[type-abstract]
 
     def begin_round(self) -> float:
-        """Return the time at which the next round may begin, in [s]; its time-out counts from then."""
+        """Begin to watch the next round; return the time at which it may begin, in [s] of the robot's time.
+
+        The time-out of the round counts from then.
+        """
         rounds = self._aims.rounds
         if rounds is not None and rounds.at:
             return self._wait(rounds.at, after(self._clock.now()))

@@ -347,10 +347,9 @@ class Coordinator:
         self._log.restoring(action, reason)
 
     def broken_off(self, reason: str, outcome: RunOutcome = "Error") -> RunEnd:
-        """Return the end of a run that a fault broke off: Error for a fault of the program or of the journal,
-        GiveUp for a fault of the robot.
+        """Journal and return the end of a run that a fault broke off, after the robot has been stopped.
 
-        The robot has been stopped.
+        `outcome` is Error for a fault of the program or of the journal, GiveUp for a fault of the robot.
         """
         if self._log.open and outcome == "Error":
             reason = f"{reason}; how action {self.running} ended is not in the journal for good"

@@ -99,7 +99,7 @@ class LocalDay(DayClock):
 
 
 def after(instant: float) -> float:
-    """Return the next larger number after an instant, in [s]."""
+    """Return the least floating-point number above an instant, in [s]."""
     return math.nextafter(instant, math.inf)
 
 

@@ -186,7 +186,11 @@ class Supervision:
             return ended
 
     def between_actions(self) -> None:
-        """Honour requests while no action runs; a pause waits for the next one."""
+        """Honour requests while no action runs; a pause waits for the next action.
+
+        Raises:
+            Interrupted: the end of the run was requested; the robot was commanded to stop.
+        """
         if self._after_restoring is not None:
             raise Interrupted(_ENDING[self._after_restoring])
         self._drop_late()

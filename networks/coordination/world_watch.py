@@ -33,7 +33,12 @@ class WorldWatch:
         self._stood = next(reversed(self._seen.values()), None)
 
     def begins(self, situation: str, at: Snapshot | None) -> None:
-        """Note the begin of an action; the first one takes its snapshot as the last known state."""
+        """Take the snapshot before an action as the last known state if there is none yet.
+
+        Args:
+            situation: situation in which the action begins.
+            at: snapshot just before it; None if it could not be read.
+        """
         if self._stood is None:
             self.stands(at)
             self.arrived(situation)
@@ -51,7 +56,7 @@ class WorldWatch:
             self._seen[situation] = self._stood
 
     def changed(self, now: Snapshot) -> Snapshot | None:
-        """Return the last snapshot if the robot has moved since; None if nothing has changed."""
+        """Return the last snapshot if the robot has moved since; None if it has not, or without one."""
         if self._stood is None:
             return None
         return self._stood if self._moved(self._stood, now) else None

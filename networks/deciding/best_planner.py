@@ -48,7 +48,7 @@ class BestPlanner(Planner):
     def plan_by_rule(
         self, situation: str, goal: str | None = None, without: Iterable[Action] = ()
     ) -> Plan | NoWay:
-        """Return the cheapest route, as the rule does."""
+        """Return the cheapest route, as the rule plans it; the arguments are those of `Planner.plan`."""
         return super().plan(situation, goal, without)
 
     def plan_by_policy(self, situation: str) -> Plan | NoWay:

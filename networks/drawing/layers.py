@@ -51,7 +51,7 @@ class Layers(NamedTuple):
     corners: Mapping[Key, Point]
     """The upper left corner of each box."""
     routes: Sequence[Sequence[Point]]
-    """Points of each edge; straight from each even point to the next, curved from each odd one."""
+    """Points of each edge: point 0 to 1 is straight, 1 to 2 curved, 2 to 3 straight, and so on."""
 
 
 class _Lane(NamedTuple):
@@ -62,7 +62,13 @@ class _Lane(NamedTuple):
 
 
 def lay_out(boxes: Mapping[Key, Size], edges: Sequence[LayerEdge], first: Key) -> Layers:
-    """Return positions of all boxes and edges."""
+    """Return positions of all boxes and edges.
+
+    Args:
+        boxes: sizes of the boxes, by their keys.
+        edges: edges between the boxes.
+        first: key of the first box, such as a network's start: edges that lead back to it close circles.
+    """
     rank = _ranks(boxes, edges, first)
     columns: list[list[Key]] = [[] for _ in range(max(rank.values()) + 1)]
     for key in boxes:

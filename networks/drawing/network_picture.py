@@ -140,7 +140,7 @@ def draw_network(
 
 
 def shortened_to(words: str, most: int = 120) -> str:
-    """Return a title cut to one line."""
+    """Return a title on one line, cut to `most` characters."""
     line = " ".join(words.split())
     return line if len(line) <= most else f"{line[: most - 1]}…"
 

@@ -31,7 +31,7 @@ class ConditionReader:
     """Reader of the conditions of a generated network; wrong types are reported with the complete file."""
 
     def __init__(self, document: Document) -> None:
-        """Read the facts and what is said of them."""
+        """Read the facts, their values at the start, and the conditions of goals and interrupts."""
         self._document = document
         self._space = FactSpace(self._values("facts"), self._values("known"))
         self._start: Mapping[str, Fact] = self._part("start", dict[str, Fact]) or {}

@@ -48,7 +48,7 @@ class FactSpace:
         return [{_key(v): number for number, v in enumerate(value)} for value in self.values.values()]
 
     def start(self, given: Mapping[str, Fact]) -> State:
-        """Return the state at the start."""
+        """Return the state at the start; `given` are the facts that are not at the first of their values."""
         return self.changed((0,) * len(self.values), self.change(given))
 
     def condition(self, given: Mapping[str, object]) -> Condition:

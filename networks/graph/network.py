@@ -248,7 +248,7 @@ class ActionNetwork:
         goal: str,
         otherwise: tuple[str, ...] = (),
     ) -> ActionNetwork:
-        """Build a network of these situations and actions."""
+        """Build a network of situations and actions; raises `NetworkError` if they are invalid."""
         every = list(situations)
         known = {situation.name: situation for situation in every}
         numbered = _numbered(actions)

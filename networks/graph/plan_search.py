@@ -239,7 +239,10 @@ class PlanSearch:
         return Segment((*way, last), last.target, renews=True)
 
     def renewing(self, fails: Mapping[int, int]) -> dict[int, dict[int, int]]:
-        """Return the actions that give used-up attempts back, each with the counts after it."""
+        """Return the numbers of the actions that give used-up attempts back.
+
+        Each has the counters that it renews, mapped to their counts after its Success.
+        """
         found: dict[int, dict[int, int]] = {}
         for index, counters in self._network.renewed_by.items():
             for counter in counters:

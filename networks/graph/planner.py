@@ -81,7 +81,10 @@ class Planner:
         return action.allowance.fails(self.counts.get(action.counter, 0))
 
     def failed(self, action: Action, reason: str, *, permanent: bool = False) -> None:
-        """Count a Fail; a permanent one uses up all attempts."""
+        """Count a Fail; a permanent one uses up all attempts.
+
+        The last `reason` is part of the explanation if no route is left (`NoWay`).
+        """
         allowed, count = action.allowance, self.counts.get(action.counter, 0)
         self.counts[action.counter] = allowed.used_up(count) if permanent else allowed.failed(count)
         times, _ = self._reasons.get(action.index, (0, ""))

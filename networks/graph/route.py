@@ -158,7 +158,10 @@ class RunDecisions:
         return self._ahead[-1]
 
     def took(self, outcome: Outcome | NotStarted) -> None:
-        """Note the outcome of the action that was `next`; a GiveUp changes nothing."""
+        """Move to the situation that the outcome of the action `next` leads to, and count a Fail.
+
+        A GiveUp changes nothing; `NotStarted` counts as a Fail, and `Elsewhere` also states the situation.
+        """
         match outcome:
             case Success(_, result):
                 self._succeeded(result)
@@ -183,9 +186,12 @@ class RunDecisions:
         self._moved(target)
 
     def failed(self, reason: str, permanent: bool = False, cause: str = "") -> None:
-        """Note a Fail of the action that was `next`; a permanent Fail uses up all its attempts.
+        """Count a Fail of the action `next`, drop the plan, and move to the situation that the Fail leads to.
 
-        Its cause may decide to which situation it leads.
+        Args:
+            reason: reason in words.
+            permanent: True if the Fail uses up all attempts of the action.
+            cause: name of its `CauseKind`, which may decide the situation.
         """
         action = self.next
         self.taken += 1

@@ -49,6 +49,11 @@ class Journal:
     def __init__(self, path: Path, sync: Sync = "never", clock: Callable[[], float] = time.time) -> None:
         """Create `path`, which must not exist, readable by its owner alone.
 
+        Args:
+            path: the journal.
+            sync: when records are forced onto the disk.
+            clock: source of the wall clock, in [s] since 1970.
+
         Raises:
             JournalError: it cannot be created, or is locked by another process.
         """

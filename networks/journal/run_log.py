@@ -151,7 +151,15 @@ class RunLog(Intents):
     def world_changed(
         self, action: Action, stood: Snapshot, now: Snapshot, situation: str | None, reason: str
     ) -> None:
-        """Log that the world was changed between two actions, so that the next one is not started."""
+        """Log that the world was changed between two actions, so that the next one is not started.
+
+        Args:
+            action: the action that is not started.
+            stood: snapshot after the last action.
+            now: snapshot before this one.
+            situation: the situation that holds now; None if that could not be decided.
+            reason: reason in words.
+        """
         record = records.Recon(
             action=action.index,
             reason=reason,

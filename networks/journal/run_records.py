@@ -19,7 +19,10 @@ Sizes = dict[str, float | None]
 
 @with_config(_OPEN)
 class At(TypedDict):
-    """Snapshot of the robot in a record: base, joints and gripper."""
+    """Snapshot of the robot in a record: base, joints and gripper, in [m] and [rad].
+
+    `base` is x, y and heading, `base_sigma` the sigma of position and heading; null is unknown.
+    """
 
     base: Pose
     base_sigma: Annotated[list[float | None], Field(min_length=2, max_length=2)]

@@ -44,7 +44,10 @@ class Option:
     """Probability of Success by the beliefs of the run; None without beliefs."""
 
     def threshold_s(self, chosen: OpenRoute) -> float | None:
-        """Return the cost below which the rule would choose the action, in [s]; None if there is none."""
+        """Return the cost below which the rule would choose the action, in [s].
+
+        None if no route begins with it, or if it would not be chosen at any cost.
+        """
         if self.way is None:
             return None
         cost = (self.weight - (self.way.cost - chosen.cost)) / 2.0**self.fails

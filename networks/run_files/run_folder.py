@@ -84,7 +84,17 @@ def _check(folder: Path, path: Path, status: os.stat_result) -> None:
 
 
 def read_file(folder: Path, name: str, most: int, missing: bool = False) -> bytes | None:
-    """Return the content of a regular file of a run; None if it is missing and that is allowed."""
+    """Return the content of a regular file of a run; None if it is missing and that is allowed.
+
+    Args:
+        folder: the run's folder.
+        name: name of the file in it.
+        most: maximum size, in [bytes].
+        missing: True if the file may be missing.
+
+    Raises:
+        NoRun: the file is missing, not a regular file, too large, or cannot be read.
+    """
     flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NOCTTY
     try:
         with open(os.open(folder / name, flags), "rb") as stream:

@@ -174,7 +174,14 @@ def _journal(prepared: Prepared, run_dir: Path, options: RunOptions, past: Past 
 def step_until_end(
     coordinator: Coordinator, robot: Robot, telemetry: Telemetry, observers: Sequence[RunObserver] = ()
 ) -> RunEnd:
-    """Iterate the coordinator, and step the robot once for each of its periods."""
+    """Iterate the coordinator, and step the robot once for each of its periods; return the run's end.
+
+    Args:
+        coordinator: coordinator of the run.
+        robot: the robot, which is also stepped during a pause.
+        telemetry: recorder of the robot's poses, except during a pause.
+        observers: notified after each period.
+    """
     run = coordinator.run()
     while True:
         try:

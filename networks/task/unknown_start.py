@@ -67,7 +67,9 @@ def start_findings(document: Document, robot: RobotFile, has_map: bool) -> Itera
 
 
 def drawn_pose(grid: GridMap, radius: float, seed: int) -> Pose2:
-    """Return a pose anywhere in the largest free part of a map, where a simulated robot is set down.
+    """Return a random map_T_base in the largest free part of a map, where a simulated robot is set down.
+
+    At the map's origin if the robot fits nowhere.
 
     Args:
         grid: the map.

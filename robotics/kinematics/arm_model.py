@@ -88,7 +88,7 @@ class ArmModel:
         self._base_T_root = self._root_T_base.inverse()
 
     def with_others(self, others: Mapping[str, float]) -> ArmModel:
-        """Return the arm with other joints at other positions, for example fingers opened to hold a book.
+        """Return the arm with other joints at other positions, for example fingers opened to hold an object.
 
         Repeated calls return the same object.
         """

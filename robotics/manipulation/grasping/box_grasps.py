@@ -44,7 +44,7 @@ def box_grasps(
 
     Args:
         size: of the box along its x, y and z, in [m].
-        opening: of the fingers, in [m].
+        opening: largest opening of the fingers, in [m].
         tip: distance from the frame `hand` to the finger tips, in [m].
         faces: allowed sides; None for all.
     """
@@ -71,7 +71,7 @@ def hand_on(
         tip: distance from the frame `hand` to the finger tips, in [m].
         normal: (3,) unit vector out of the side, in the frame of the box.
         closing: (3,) unit vector in which the pads close, in the frame of the box.
-        tilt: turn of the approach about it, in [rad].
+        tilt: turn of the approach about `closing`, in [rad].
     """
     bite = min(BITE_M, MAX_BITE_SHARE * extent)
     tips = np.array([0.0, 0.0, height / 2]) + normal * (extent / 2 - bite)

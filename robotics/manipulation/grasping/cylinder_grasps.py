@@ -33,7 +33,7 @@ def cylinder_grasps(
     Args:
         diameter: in [m].
         height: in [m].
-        opening: of the fingers, in [m].
+        opening: largest opening of the fingers, in [m].
         tip: distance from the frame `hand` to the finger tips, in [m].
         towards: azimuth of the direction to the robot in the frame of the cylinder, in [rad].
         above: True if the hand may come from above.

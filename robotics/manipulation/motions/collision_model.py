@@ -36,7 +36,7 @@ class CollisionModel:
             frame.
         margin: pairs closer than this count as in collision, in [m].
         allowed: pairs of names (links, obstacles' names, "held") that may touch in addition to those of the
-            arm itself, such as a held book and the tray below it.
+            arm itself, such as a held object and the tray below it.
     """
 
     def __init__(

@@ -18,6 +18,8 @@ def layers(
 ) -> IntArray:
     """Return the placement (p-1,) of each step of the division with the greatest integral.
 
+    There must be a division: `fewest_placements` of them are at most `count`.
+
     Args:
         values: (p, b) scores of points from placements, from 0 to 1.
         usable: (p, b) True where a placement reaches a point.
@@ -113,7 +115,7 @@ def cheapest_layers(
 def farthest_run(usable: BoolArray, joined: BoolArray, first: int) -> tuple[int, int]:
     """Return the placement that gets farthest from the point `first`, and the last point of its run.
 
-    That point is `first` if no placement continues.
+    If no placement continues, these are -1 and `first`.
 
     Args:
         usable: (p, b) True where a placement reaches a point.

@@ -85,7 +85,11 @@ class GrowingMap:
         self._found = odometry, self.poses[0].compose(displacement)
 
     def add(self, frame: Keyframe) -> LineMatch:
-        """Match a keyframe with those before it and add it; return the match."""
+        """Match a keyframe with those before it, and add it.
+
+        Returns:
+            The match; its pose is in the frame of the keyframe before.
+        """
         graph, self._found = self.graph, None
         moved = frame.odometry.relative_to(self.last.odometry)
         frames, poses = graph.frames[-RECENT_KEYFRAMES:], graph.poses[-RECENT_KEYFRAMES:]
@@ -146,6 +150,6 @@ class GrowingMap:
         return submap(frames, poses, poses[0])
 
     def built(self, resolution: float) -> BuiltMap:
-        """Return the map with its trajectory and loop closures."""
+        """Return the map, with cells of a size in [m], its trajectory and its loop closures."""
         rows = [frame.row for frame in self.graph.frames]
         return built_of(self.graph, rows, self.blind, self._chained, resolution)

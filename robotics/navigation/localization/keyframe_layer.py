@@ -72,7 +72,7 @@ class KeyframeLayer:
     def take(self, points: FloatArray, pose: Pose2, covariance: FloatArray) -> bool:
         """Add a scan that is 0.3 m or 20 degrees from all keyframes; return whether it was added.
 
-        It needs 20 points.
+        A scan with fewer than 20 points is not added.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].

@@ -357,7 +357,7 @@ class ScanLocalizer(Localizer):
         return True
 
     def relocalize(self, near: Pose2, points: FloatArray) -> ScanMatch:
-        """Start again from a rough pose, up to about 0.3 m and 10 degrees off.
+        """Start again at the best match near a rough pose, up to about 0.3 m and 10 degrees off; return it.
 
         Args:
             near: rough map_T_base.

@@ -50,7 +50,9 @@ class ScanJump:
         return self._changes > 0
 
     def take(self, beams: ScanBeams, at_rest: bool, pose: Pose2, slides: bool = False) -> bool:
-        """Return whether the base must have been lifted, by this scan and the previous ones.
+        """Take in a scan; return whether it and those before show that the base was lifted.
+
+        If so, all scans are discarded.
 
         Args:
             beams: beams of the scan.

@@ -100,7 +100,10 @@ class WheelCheck:
             baseline.note_pose(pose)
 
     def take(self, beams: ScanBeams) -> Contradiction | None:
-        """Return where the base is if this scan and an earlier one contradict its wheels."""
+        """Take in a scan; return where the base is if this scan and an earlier one contradict its wheels.
+
+        None otherwise. After a contradiction, later scans are compared with this one.
+        """
         if same_ranges(self._last, beams.ranges):
             return None  # an old scan given again
         self._last = beams.ranges

@@ -80,7 +80,13 @@ class Loop(NamedTuple):
 
 
 def place_at(keyframes: Sequence[Keyframe], poses: Sequence[Pose2], number: int) -> KeyframeView:
-    """Return the view of the keyframes around one keyframe, in its frame."""
+    """Return the points seen from a keyframe and from those before and after it, in its frame.
+
+    Args:
+        keyframes: all keyframes, in order of time.
+        poses: pose of each keyframe, in any one frame.
+        number: number of the keyframe.
+    """
     low, high = max(0, number - PLACE_KEYFRAMES), number + PLACE_KEYFRAMES + 1
     frames, near = keyframes[low:high], [pose.relative_to(poses[number]) for pose in poses[low:high]]
     surface = submap(keyframes[low:high], poses[low:high], poses[number])

@@ -70,7 +70,7 @@ class ScanLayer:
             angles: (n,) of the beams in the sensor frame, in [rad].
             ranges: (n,) in [m]; infinity for beams without an echo, NaN for those without a reading.
             explained: (n,) beams that end at what the map shows: they raise nothing.
-            time: in [s].
+            time: time of the scan, in [s].
         """
         grid = self._grid
         self._stamp += 1

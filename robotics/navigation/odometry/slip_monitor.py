@@ -69,7 +69,7 @@ class SlipMonitor:
         self._claimed += variance
 
     def take(self, missed: float, other: float) -> None:
-        """Count a turn in [rad] that a scan found the wheels to have missed.
+        """Count a turn that a scan found the wheels to have missed; start a new window after a full one.
 
         Args:
             missed: heading by the scan less heading by the wheels, in [rad].

@@ -51,7 +51,7 @@ class WatchedMoment(NamedTuple):
 
     @classmethod
     def of(cls, now: Belief, states: int | None = None) -> Self:
-        """Return this moment, with all states or with the first `states` alone."""
+        """Return the present moment, by the belief `now`, with all states or the first `states` alone."""
         covariance = now.covariance[:states].copy()
         return cls(Belief(now.mean[:states].copy(), covariance[:, :states].copy()), covariance)
 

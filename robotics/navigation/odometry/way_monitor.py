@@ -33,7 +33,9 @@ class WayMonitor:
         self._missed, self._way, self._claimed, self._next = 0.0, 0.0, 0.0, TEST_EVERY_M
 
     def take(self, missed: float, map_sigma: float, scale_variance: float) -> float:
-        """Add a forward correction; return the relative scale error if it is significant, otherwise 0.
+        """Add a forward correction; return the size of the relative scale error if significant, otherwise 0.
+
+        A significant error starts a new window. Its sign is not returned.
 
         Args:
             missed: position by the scan less position by the wheels, along the heading, in [m].

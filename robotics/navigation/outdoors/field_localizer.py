@@ -173,7 +173,7 @@ class FieldLocalizer(ABC):
             self._ranges(distances)
 
     def mark(self) -> Belief | None:
-        """Mark this moment as one for which `smoothed` returns an estimate."""
+        """Mark this moment for `smoothed`; return the present belief, None for a filter without smoother."""
         return None
 
     def smoothed(self) -> list[Belief]:

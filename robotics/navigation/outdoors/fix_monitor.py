@@ -34,15 +34,17 @@ class FixMonitor:
         """True while fixes are rejected until proved right."""
 
     def suspects(self, residual: FloatArray, covariance: FloatArray) -> int:
-        """Return how many of the latest fixes are implausible, counted backwards from this one; 0 if none is.
+        """Take in a fix; return how many of the latest fixes are implausible, counted back from this one.
+
+        If several are, they are forgotten, and all fixes are doubted until `cleared` returns True.
 
         Args:
             residual: (2,) this fix minus its prediction, along x and y of the field's frame, in [m].
             covariance: (2, 2) expected covariance of the residual, in [m²].
 
         Returns:
-            1 if this fix is implausible by itself; otherwise the length of the run of fixes up to this one
-                whose summed residuals are the least plausible.
+            0 if none is; 1 if this fix is implausible by itself; otherwise the length of the run
+                of fixes up to this one whose summed residuals are the least plausible.
         """
         white = whitened(residual, covariance)
         if float(white @ white) > MAX_SQUARED_SIGMAS:
@@ -60,7 +62,7 @@ class FixMonitor:
         return count
 
     def cleared(self, residual: FloatArray, forecast: FloatArray, variance: float) -> bool:
-        """Return True if the doubt about the fixes is over.
+        """Take in a fix while fixes are doubted; return True if the doubt is over, which resets the monitor.
 
         Args:
             residual: (2,) fix minus its prediction, along x and y of the field's frame, in [m].

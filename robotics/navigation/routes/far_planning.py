@@ -56,15 +56,17 @@ class FarPlanner:
     def routing(
         self, start: Pose2, goal: Pose2, front: FloatArray | None, sensed: FloatArray
     ) -> Generator[None, None, FloatArray | None]:
-        """Return the points (n, 2) in [m] of a route, or None, in steps of about one graph each.
+        """Return the points (n, 2) of a route on the map, in [m]; None if none was found.
 
-        Its beginning leads to where larger cells have room, and is not checked.
+        A generator of steps, each about as long as building a Voronoi graph. The beginning of the
+        route leads to where larger cells have room, and is not checked.
 
         Args:
             start: map_T_base.
             goal: map_T_base at the goal.
-            front: (2, 2) ends of a front on the map, in [m], before which the robot is to be.
-            sensed: (n, 2) points that are avoided as well, in [m].
+            front: (2, 2) ends of a front on the map, in [m], before which the robot is to be; None:
+                the goal has no front.
+            sensed: (n, 2) points on the map that are avoided as well, in [m].
         """
         graph = self._graph_with(sensed, start)
         yield

@@ -42,7 +42,7 @@ def polygon_routing(
 ) -> Generator[None, None, Route | None]:
     """Return a route along which a polygon, at the heading of travel, has room; None if none is found.
 
-    It is looked for in steps of about one graph each.
+    The search is a generator of steps; each takes about as long as building a Voronoi graph.
 
     A route for the inscribed disc is rounded if the polygon passes it that way, and left with its corners
     otherwise. Where the polygon passes neither way, the spot is closed and another route is looked for.

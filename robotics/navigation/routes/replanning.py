@@ -109,7 +109,7 @@ class Replanner:
         lead: float = 0.0,
         better: bool = True,
     ) -> Generator[None, None, RouteLook]:
-        """Decide on the route from here as `look` does, in steps each about as long as one graph."""
+        """Decide as `look` does, as a generator; a step takes about as long as building a Voronoi graph."""
         squares = self._squares_of(grid)
         clearance = squares.distance[1:-1, 1:-1] * np.float32(grid.resolution)
         speeds = RoomSpeeds(grid, clearance, self._radius, self._speeds)

@@ -154,7 +154,7 @@ class Ways:
         return finish(self.routing_to(goal))
 
     def routing_to(self, goal: Pose2 | tuple[float, float]) -> Generator[None, None, Route | None]:
-        """Return what `route_to` returns, in steps of about one graph each."""
+        """Return the route of `route_to`, as a generator; a step takes about as long as one Voronoi graph."""
         there = (goal[0], goal[1])
         if not self._shape.is_disc:
             route = yield from polygon_routing(self._grown, self._shape, self._start, there, self._settings)

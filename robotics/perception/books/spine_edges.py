@@ -78,7 +78,7 @@ class Strips(NamedTuple):
         return float(np.median(np.nanmean(part[seen.any(axis=1)], axis=1)))
 
     def seen(self, left: float, right: float, highest: float) -> float:
-        """Share 0..1 that was seen from y `left` to `right` below height `highest`."""
+        """Return the share, 0 to 1, that was seen from y `left` to `right` below a height, all in [m]."""
         part = self._part(left, right)[self.z < highest]
         return float(np.mean(~np.isnan(part))) if part.size else 0.0
 
