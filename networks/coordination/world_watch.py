@@ -64,7 +64,8 @@ class WorldWatch:
     def situation(self, here: str, stood: Snapshot, now: Snapshot) -> str | None:
         """Return the situation that holds now; None if that cannot be decided.
 
-        It is the latest earlier situation with the facts of `here` if only the base has moved between the
+        It is the latest earlier situation with the facts of `here`, the fact `base` excepted, if only the
+        base has moved between the
         snapshots `stood` and `now`, and has moved to its pose in that situation.
         """
         kinds = {residual.kind for residual in self._moved(stood, now).all}

@@ -53,7 +53,7 @@ class RepeatedPart:
     title: str
     """Title that names the repeated elements."""
     around: RepeatedPart | None
-    """Part that contains this one."""
+    """Part that contains this one; None for an outermost part."""
 
 
 @dataclass(frozen=True)

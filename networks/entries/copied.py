@@ -23,7 +23,7 @@ class Element:
     words: str
     """Unique name shown to people, `place[2] (kitchen)`; nested elements begin with the one around them."""
     around: Element | None = None
-    """Element of the surrounding part."""
+    """Element of the surrounding part; None for an element of an outermost part."""
 
     def chain(self) -> list[Element]:
         """Return the element and those around it, the outermost first."""

@@ -32,9 +32,9 @@ class Interrupt:
     goals: tuple[str, ...]
     """Situations that end it; the one with the cheapest route is pursued."""
     every_s: float | None = None
-    """Time after which it is due again, in [s] of the robot's time."""
+    """Time after which it is due again, in [s] of the robot's time; None: it depends on another condition."""
     battery_below: float | None = None
-    """Charge of the battery below which it is due, in [%]."""
+    """Charge of the battery below which it is due, in [%]; None: it depends on another condition."""
     priority: int = 0
     """An interrupt of a higher priority comes before one of a lower one."""
     battery_until: float | None = None
@@ -62,7 +62,7 @@ class Aims:
     """Time-out, rounds and interrupts of a task; a plain task has none."""
 
     time_out_s: float | None = None
-    """Time of a run, or of each of its rounds, after which the goal is abandoned, in [s]."""
+    """Time of a run, or of each of its rounds, after which the goal is abandoned, in [s]; None: never."""
     rounds: Rounds | None = None
     interrupts: tuple[Interrupt, ...] = ()
 

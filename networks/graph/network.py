@@ -111,7 +111,10 @@ class Situation:
     facts: Mapping[str, Fact] = field(default_factory=dict)
     """Physical facts that hold in it; facts that only describe knowledge belong in the name."""
     element: str | None = None
-    """Element of a `repeat` that it belongs to; facts learned for it are forgotten when it is left."""
+    """Element of a `repeat` that it belongs to; facts learned for it are forgotten when it is left.
+
+    None: it is outside the repeated parts.
+    """
 
 
 @dataclass(frozen=True)

@@ -86,7 +86,11 @@ class Journal:
             path: the journal.
             contents: its records read so far.
             sync: when records are forced onto the disk.
-            clock: source of the wall clock, in [s].
+            clock: source of the wall clock, in [s] since 1970.
+
+        Raises:
+            JournalError: it cannot be opened, or has changed since it was read.
+            RunAlive: another process writes it.
         """
         self = cls.__new__(cls)
         self.path, self._clock, self._poisoned = path, clock, None

@@ -38,17 +38,17 @@ class RunPosition:
     plans: int = 0
     skipped: list[str] = field(default_factory=list)
     in_doubt: Record | None = None
-    """START record of an action of unknown progress."""
+    """START record of an action of unknown progress; None without one."""
     gave_up: Record | None = None
-    """Record of a GiveUp that was not acknowledged: a RESULT, or an END between actions."""
+    """Record of a GiveUp that was not acknowledged: a RESULT, or an END between actions; None without one."""
     over: Record | None = None
-    """END record of a run that came to its end."""
+    """END record of a run that came to its end; None for one that may continue."""
     done: int = 0
     """Number of the last action with a RESULT."""
     left: str = ""
     """The situation in which the last action with a RESULT began."""
     at: Snapshot | None = None
-    """Snapshot of the robot when the run last knew its situation."""
+    """Snapshot of the robot when the run last knew its situation; None if none was measured then."""
     round_began: float = 0.0
     """The robot's time at the begin of the round, in [s]; the expected time while the round waits."""
     round_waits: bool = False

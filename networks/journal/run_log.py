@@ -124,7 +124,13 @@ class RunLog(Intents):
         self._tell(lambda: Restoring(self._robot.time, action, reason))
 
     def result(self, primitive: ActionPrimitive, outcome: Outcome, at: Snapshot | None = None) -> None:
-        """Log that an action has ended, before observers are notified; `at` is a snapshot of the robot."""
+        """Keep a checkpoint, if wanted, and log that an action has ended; observers are notified later.
+
+        Args:
+            primitive: primitive of the action, with its evidence.
+            outcome: outcome of the action.
+            at: snapshot of the robot; None if none was measured.
+        """
         self._changes = changes = self._model.taken_changes()
         record = outcome_record(self.started, outcome)
         if changes:

@@ -34,7 +34,10 @@ class OwnPage:
         self.token = secrets.token_urlsafe(24)
 
     def stranger(self, host: str | None, origin: str | None, site: str | None) -> Refusal | None:
-        """Return why a request is not the page's own, by Host, Origin and Sec-Fetch-Site (rows U2, U3)."""
+        """Return why a request is not the page's own, by Host, Origin and Sec-Fetch-Site (rows U2, U3).
+
+        None if it may be the page's own; its token is still to be checked.
+        """
         if host not in self.hosts:
             return Refusal(421, "another host's name: this page is reached by the address that was printed")
         if origin is not None and origin not in {f"http://{item}" for item in self.hosts}:

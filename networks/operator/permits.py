@@ -41,7 +41,7 @@ class Permits:
 
     @property
     def asks(self) -> Action | None:
-        """The action that waits for an answer."""
+        """The action that waits for an answer; None if none does."""
         return self._asks
 
     @property

@@ -66,7 +66,10 @@ class Choice:
     next_best: OpenRoute | None
     """The cheapest other route, which may share its begin with the plan; None if there was none."""
     after_fail: OpenRoute | None
-    """Cheapest route after a Fail, if the Fail leads to another situation; planning does not consider it."""
+    """Cheapest route after a Fail, which planning does not consider.
+
+    None if the situation stays, or no route is left.
+    """
     policy: str = "rule"
     """Policy by which the run chose, as the task's file names it."""
     judged: Judged | None = None

@@ -39,7 +39,7 @@ class PastAction:
     end: float
     """Time at the end of the action, in [s]; if the journal has no end, the time when the run broke off."""
     broken_off: float | None
-    """Time when the motion was broken off and restoring began, in [s]."""
+    """Time when the motion was broken off and restoring began, in [s]; None if it was not."""
     outcome: str
     """Success, Fail or GiveUp; empty if the journal does not contain it."""
     result: Record = field(default_factory=dict)
@@ -73,7 +73,7 @@ class PastRun:
     network: JournaledNetwork | None
     """Network of the run; None in journals of older versions."""
     torn_at: int | None
-    """Offset of an incomplete last record, in [bytes]."""
+    """Offset of an incomplete last record, in [bytes]; None: all are complete."""
 
     @property
     def end(self) -> Record | None:
@@ -94,7 +94,7 @@ class PastRun:
 
     @property
     def last_fail(self) -> PastAction | None:
-        """The last action that ended in Fail or GiveUp."""
+        """The last action that ended in Fail or GiveUp; None without one."""
         return next((action for action in reversed(self.actions) if action.fails), None)
 
     def before(self, action: PastAction) -> Iterator[Record]:

@@ -56,7 +56,7 @@ def point_latest(folder: Path) -> None:
 
 
 def latest_run(runs: Path) -> Path:
-    """Return the folder of the run that was begun last."""
+    """Return the folder of the run that was begun last; raises `NoRun` if it is not known."""
     try:
         name = os.readlink(runs / LATEST_LINK)
     except OSError:

@@ -40,7 +40,7 @@ class Telemetry:
         self._located: list[bool] = []
 
     def record(self, robot: Robot, action: int, restoring: bool) -> None:
-        """Record the robot's present pose."""
+        """Record the robot's present pose, the number of its action, and whether that is being restored."""
         pose = robot.pose
         self._rows.append((robot.time, pose.x, pose.y, pose.theta, action, restoring))
         self._located.append(robot.localization.is_located)

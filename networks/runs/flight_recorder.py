@@ -141,7 +141,7 @@ class FlightRecorder(RunObserver):
             self.lost = error.strerror
 
     def _scanned(self, rows: Sequence[Row]) -> None:
-        """Compute the lidar scans of the rows that are kept."""
+        """Replace the lidar scans of the rows that are kept, which are functions so far, by their values."""
         for row in rows:
             if callable(later := row.get("ranges_m")):
                 scan = later()

@@ -47,7 +47,7 @@ class Past:
     standing: RunPosition
     checkpoint: Checkpoint | None
     recovered: Mapping[str, Any] | None
-    """The RESULT that the checkpoint holds and the journal lacks: a crash came in between."""
+    """The RESULT that the checkpoint holds and the journal lacks, by a crash in between; None without one."""
     closing: tuple[tuple[str, Mapping[str, Any]], ...] = ()
     """Records that the check of a real robot adds to the journal."""
 

@@ -18,21 +18,21 @@ class RunOptions:
     """Options of a run; the defaults are those of `handcart run`."""
 
     backend: str | None = None
-    """Another backend than the task names."""
+    """Another backend than the task names; None: that of the task."""
     settings: Mapping[str, str] = field(default_factory=dict)
     """Parameters of the task, values unparsed."""
     seed: int = 0
     """Seed of the simulated errors."""
     situation: str | None = None
-    """Situation in which the run begins, instead of the task's start."""
+    """Situation in which the run begins; None: the task's start."""
     errors: bool = True
     """True if the simulated robot has the errors that its file states."""
     bench: str | None = None
-    """Name of the simulated backend behind simulated drives."""
+    """Name of the simulated backend behind simulated drives; None without simulated drives."""
     window: bool = False
     """True to show robot and world in a window."""
     video: Path | None = None
-    """Path of the MP4 to which the run is recorded."""
+    """Path of the MP4 to which the run is recorded; None: no video."""
     draw: bool = False
     """True to draw `overview.svg`."""
     report: bool = False
@@ -48,7 +48,7 @@ class RunOptions:
     interrupts: Interrupts | None = None
     """Handler of Ctrl-C; None: the run uses a handler of its own until the folder is complete."""
     around: Callable[[Backend], Backend] | None = None
-    """Function that wraps a simulated backend, for example to inject faults."""
+    """Function that wraps a simulated backend, for example to inject faults; None: it is used as it is."""
     record_sensors: bool = False
     """True to record every reading and command, so that `handcart replay --sensors` can check the run."""
     begins_at: time | None = None

@@ -64,7 +64,7 @@ class Repetition:
     suffix: str
     """Text for people behind the names of its elements."""
     around: Element | None = None
-    """The element of the surrounding part that contains this one."""
+    """The element of the surrounding part that contains this one; None for an outermost part."""
 
     def elements(self) -> tuple[Element, ...]:
         """Return the elements in their order.
@@ -104,7 +104,7 @@ class Repetition:
         return path, values
 
     def of(self, name: str, number: int) -> str:
-        """Return an element's own copy of a situation of the part."""
+        """Return the name of the copy of a situation of the part for element `number`, from 0."""
         return f"{name}[{number + 1}]"
 
 

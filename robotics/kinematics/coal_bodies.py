@@ -76,7 +76,7 @@ def read_mesh(path: str, scale: tuple[float, float, float] = (1.0, 1.0, 1.0)) ->
 
 
 def hull_of_mesh(mesh: object, name: str) -> object:
-    """Return the convex hull of coal's mesh.
+    """Return the convex hull of coal's mesh; `name` is that of its link, for the error.
 
     Raises:
         ValueError: its vertices (fewer than four, all in a plane, or not finite) enclose nothing.

@@ -50,7 +50,10 @@ def explained(
 
 
 def _reason(arm: BaseScorer, point: ToolPath, bases: FloatArray, candidates: FloatArray) -> str:
-    """Return why a point, given twice, can't be tracked from any base pose; empty if it is not the point."""
+    """Return why a point cannot be tracked from any base pose; empty if it can be, by itself.
+
+    `point` is a path that consists of the same point twice.
+    """
     reach = arm.rule._replace(measure=Measure.REACHABILITY)
     if not arm.scores_by(candidates, point, reach).usable.any():
         return "is out of the arm's reach, wherever the base stands"

@@ -94,7 +94,7 @@ class BeaconFilter(FieldLocalizer):
         self._clock = 0.0
         self._squares: list[tuple[float, float | None]] = []  # times of ranges, and their squares as below
         self.refused = 0
-        """Ranges that were not believed."""
+        """Number of ranges that were not believed."""
         self._refused_since = np.full(count, NEVER_TIME_S)  # of those whose last range was refused
         self._believed_at = np.full(count, NEVER_TIME_S)
         self._left_out = np.zeros(count, np.bool_)
@@ -179,7 +179,7 @@ class BeaconFilter(FieldLocalizer):
             self._see_gyro_bias()
 
     def _see_gyro_bias(self) -> None:
-        """At rest the vertical gyro reads nothing but its bias."""
+        """Correct the bias of the vertical gyro by its readings at rest, which are nothing but the bias."""
         turned, time = self._still.tolist()
         if time <= 0.0:
             return

@@ -120,14 +120,14 @@ class GrowingMap:
         return len(self.poses) - self._searched >= SEARCH_KEYFRAMES
 
     def search(self) -> None:
-        """Look for loops that the latest keyframes close."""
+        """Look for loops that the latest keyframes close; all poses move if one is found."""
         since, self._searched = max(0, self._searched - SEARCH_KEYFRAMES), len(self.poses)
         if self._field is not None:
             self.graph.optimize()
         self.graph.search(since=since)
 
     def finish(self) -> None:
-        """Look for all loops, and match each keyframe with all that see the same place."""
+        """Look for all loops, match each keyframe with all that see the same place, and move all poses."""
         self.graph.search()
         self.graph.refine()
 

@@ -84,7 +84,10 @@ def is_driven(
 
 
 def _leading_edge(radius: float, curvature: float, length: float) -> FloatArray:
-    """Return points (k, 2) in the base frame, counter-clockwise, in [m]."""
+    """Return points (k, 2) on the leading edge of a disc at the end of an arc.
+
+    They are in the base frame, counter-clockwise, in [m].
+    """
     heading = curvature * length + (math.pi if length < 0.0 else 0.0)
     count = max(3, math.ceil(2.0 * LEADING_RAD * radius / EDGE_STEP_M) + 1)
     around = heading + np.linspace(-LEADING_RAD, LEADING_RAD, count)

@@ -46,7 +46,7 @@ class KeyframeGraph:
     """Keyframes, the edges between neighbours and the loop closures found so far."""
 
     def __init__(self, frames: list[Keyframe], poses: list[Pose2], edges: list[Edge]) -> None:
-        """Begin with keyframes, at least one, their poses and the edges between neighbours."""
+        """Begin with one or more keyframes, their poses in the graph's frame, and edges of neighbours."""
         self.frames, self.poses, self._edges = frames, poses, edges
         self.accepted = list[Loop]()
         self.rejected = Counter[str]()
@@ -67,7 +67,7 @@ class KeyframeGraph:
         return [*self._edges, *self.loop_edges]
 
     def append(self, frame: Keyframe, pose: Pose2, match: LineMatch) -> None:
-        """Add a keyframe at its pose, by its match with those before it.
+        """Add a keyframe at its pose, by its match with those before it; the other poses stay.
 
         Args:
             frame: the keyframe.
@@ -80,7 +80,7 @@ class KeyframeGraph:
         self._edges += chain_edges(self.poses, match, len(frame.surface.points))
 
     def measure(self, number: int, pose: Pose2, information: FloatArray) -> None:
-        """Add the measured pose of a keyframe in the graph's frame.
+        """Add the measured pose of a keyframe in the graph's frame; poses move only by `optimize`.
 
         The frame is that of the first keyframe's pose, which stays where it is.
 
@@ -95,7 +95,7 @@ class KeyframeGraph:
         self._edges.append(Edge(0, number, pose.relative_to(self.poses[0]), turn @ information @ turn.T))
 
     def search(self, heard: Heard = ignore_stage, since: int = 0) -> None:
-        """Look for loops that keyframes from the number `since` on close, until no new one is found."""
+        """Add loop closures by keyframes from number `since` on and optimize the poses, until none is new."""
         for number in range(MAX_ROUNDS):
             found = list(self._close(_stage(heard, f"closing loops, round {number + 1}"), since))
             for loop in found:
@@ -114,7 +114,10 @@ class KeyframeGraph:
         self.rejected = Counter(reason for reason in self._last_reason.values() if reason)
 
     def refine(self, heard: Heard = ignore_stage) -> None:
-        """Replace the closures by ones between all keyframes that see the same place."""
+        """Replace the closures by ones between all keyframes that see the same place, and optimize the poses.
+
+        Nothing changes without a closure.
+        """
         if not self.accepted:
             return
         for number in range(REFINING_ROUNDS):

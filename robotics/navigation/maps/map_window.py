@@ -63,7 +63,7 @@ def with_cells_at(grid: GridMap, points: FloatArray) -> GridMap:
 
 
 def is_within(grid: GridMap, points: FloatArray, margin: float) -> BoolArray:
-    """Return a mask (n,) of the points (n, 2), in [m], that are on a map and `margin` [m] from its border."""
+    """Return a mask (n,) of the points (n, 2), in [m], at least `margin` [m] inside the edge of a map."""
     low = np.array([grid.origin_x, grid.origin_y])
     high = low + np.array(grid.occupied.shape[::-1]) * grid.resolution
     within: BoolArray = np.all((points >= low + margin) & (points <= high - margin), axis=1)

@@ -35,7 +35,7 @@ class Attitude:
         self.yaw = 0.0
         """[rad], counted from the start."""
         self.moved = 0.0
-        """Over how long rates were added up to `yaw`, in [s]."""
+        """Duration over which rates were added up to `yaw`, in [s]."""
         self._bias = 0.0
         self._known = 0.0
         self._felt = np.array([0.0, 0.0, 1.0])

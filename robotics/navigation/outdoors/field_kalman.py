@@ -105,7 +105,7 @@ class FieldKalman:
         self._record = record
         self._origin: WatchedMoment | None = None  # pose from which `relative_pose` is measured
         self.refused = 0
-        """Fixes that were not believed."""
+        """Number of fixes that were not believed."""
         self.restarts = 0
         """Number of restarts of the filter from rejected fixes."""
         if record is not None:
@@ -170,7 +170,7 @@ class FieldKalman:
             self._see_bias()
 
     def _see_bias(self) -> None:
-        """At rest the vertical gyro reads nothing but its bias."""
+        """Correct the bias of the vertical gyro by its readings at rest, which are nothing but the bias."""
         turned, time = self._still
         if time <= 0.0:
             return

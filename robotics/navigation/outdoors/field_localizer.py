@@ -211,7 +211,7 @@ class FieldLocalizer(ABC):
 
     @abstractmethod
     def _advance(self, advance: Advance) -> None:
-        """One step of the filter."""
+        """Take one step of the filter, by the motion since the last one."""
 
     @abstractmethod
     def _fix(self, position: FloatArray, sigma: float | None) -> bool:

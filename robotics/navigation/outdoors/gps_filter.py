@@ -94,10 +94,10 @@ class GpsFilter(FieldLocalizer):
             )
             for hypothesis in supposed
         ]
-        """One for each hypothesis."""
+        """Kalman filters, one for each hypothesis."""
         self._here: Pose2 | None = None
         self._spread: FloatArray | None = None
-        """(3, 3) covariance; like `_here` asked many times between two steps."""
+        """(3, 3) covariance of the mixture, cached like its pose `_here`; None after a change."""
 
     @property
     def weights(self) -> FloatArray:

@@ -125,7 +125,7 @@ def _refresh(seen: FloatArray, at: int, values: FloatArray) -> FloatArray:
 
 @compiled
 def _angle_rates(roll: float, pitch: float, rates: FloatArray) -> tuple[float, float, float, float]:
-    """Return the rates of roll, pitch and yaw by body rates, and the derivative of yaw's by the third one."""
+    """Return the rates of roll, pitch, yaw by body rates, and the derivative of the last by the third one."""
     sin, cos = math.sin(roll), math.cos(roll)
     across = rates[1] * sin + rates[2] * cos
     return (
@@ -195,8 +195,8 @@ def _creep(state: FloatArray, travel: float) -> None:
 def _middle_rates(
     state: FloatArray, free: FloatArray, dt: float, euler: bool
 ) -> tuple[float, float, float, float, float]:
-    """Rates of roll, pitch and yaw at the middle of a period, the pitch there, and the yaw's by the third
-    gyro.
+    """Return the rates of roll, pitch and yaw at the middle of a period, the pitch there, and the derivative
+    of the yaw rate by the third gyro.
     """
     if not euler:
         return free[0], free[1], free[2], state[5], 1.0
@@ -208,7 +208,7 @@ def _middle_rates(
 
 @compiled
 def _drive(state: FloatArray, turning: FloatArray, travel: float, dt: float, euler: bool) -> None:
-    """Update while driving."""
+    """Move the pose by the travel of the wheels in a period, along the attitude from the gyros."""
     state[10] = 0.0
     roll_rate, pitch_rate, yaw_rate, pitch, gain = _middle_rates(state, turning - state[6:9], dt, euler)
     turn = dt * yaw_rate

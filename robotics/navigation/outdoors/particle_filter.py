@@ -71,9 +71,15 @@ class ParticleFilter(FieldLocalizer):
         euler: bool = True,
         heading_sigma: float = KNOWN_HEADING_SIGMA_RAD,
     ) -> None:
-        """Start at a pose; without `euler` the gyros are integrated as printed in the paper.
+        """Start at a pose.
 
-        `heading_sigma` [rad] is the sigma that the particles' heading has to reach before it counts as known.
+        Args:
+            start: world_T_base.
+            errors: errors that the filter assumes.
+            count: number of particles.
+            seed: seed of the random errors.
+            euler: False to integrate the gyros as printed in the paper.
+            heading_sigma: sigma that the particles' heading has to reach before it counts as known, in [rad].
         """
         super().__init__(start, euler)
         self._heading_sigma = heading_sigma

@@ -143,7 +143,18 @@ def _turning(pose: Pose2, radius: float) -> list[_Circle]:
 
 
 def _round(disc: FloatArray, radius: float, aside: float, leans: Sequence[float]) -> list[_Circle]:
-    """Circles round a disc; round a small one wide circles that touch it on the side where it is passed."""
+    """Return the circles round a disc on which a car may pass it, one or more for each direction of turning.
+
+    Around a disc that is smaller than the car's turning circle, these are turning circles that contain and
+    touch it.
+
+    Args:
+        disc: (3,) x, y and radius, in [m].
+        radius: radius of the turning circle, in [m].
+        aside: direction to the left of the line from start to goal, in [rad].
+        leans: turns from there, or from the opposite direction, to where a turning circle touches the disc,
+            in [rad].
+    """
     x, y, own = disc.tolist()
     if own >= radius:
         return [_Circle(x, y, own, sense) for sense in (1.0, -1.0)]

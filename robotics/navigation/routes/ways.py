@@ -60,7 +60,7 @@ class Way(NamedTuple):
     why: Why
     """Reason why the goal has no route."""
     narrow: tuple[float, float] | None = None
-    """Position of the place that is too narrow, in [m]."""
+    """Position on the map of the place that is too narrow, in [m]; None if no such place is known."""
     width: float = math.nan
     """Width of the place that is too narrow, in [m]."""
     width_needed: float = math.nan
@@ -325,8 +325,9 @@ class Ways:
 
 
 def without_front(grid: GridMap, front: FloatArray) -> GridMap:
-    """Return a map without the cells that a front (2, 2), in [m], runs through: there its real place
-    counts.
+    """Return a map on which the cells that a front (2, 2) on it, in [m], runs through are free.
+
+    The position of the front is known more exactly than that of the cells, and is checked by itself.
     """
     near = 0.75 * grid.resolution
     rows, columns = np.nonzero(grid.blocked)

@@ -61,7 +61,10 @@ def share_moved(
 
 
 def _expected_ranges(then: FloatArray, sensor: FloatArray, motion: Pose2) -> FloatArray:
-    """Return the ranges of all beams (n,) after a small motion then_T_now, in [m]; NaN where flat or cut."""
+    """Return the ranges of all beams (n,) after a small motion then_T_now, in [m].
+
+    NaN where a beam grazes a surface, or its neighbours meet other surfaces.
+    """
     along = np.roll(then, -1, axis=0) - np.roll(then, 1, axis=0)
     lengths = np.hypot(*along.T)
     normals = np.column_stack([-along[:, 1], along[:, 0]]) / np.maximum(lengths, 1e-9)[:, None]

@@ -121,9 +121,9 @@ class _Shifted(NamedTuple):
     def rise(self, direction: FloatArray) -> tuple[float, float]:
         """Rise of the cost along a direction (2,), as it is seen and as the slopes claim it.
 
-        Both as a number of points: those on a wall straight across that would make it rise as much. The least
-        of several shifts counts, because a raster that fits as before after one of them does not
-        after another.
+        Both in units of one point on a wall straight across: the number of such points that would make the
+        cost rise as much. The least of several shifts counts, because a raster that fits as before after one
+        of them does not after another.
         """
         rises = self._rises(direction[None], 1, self.slopes)[0].tolist()
         return min(seen / one for seen, _, one in rises), min(claimed / one for _, claimed, one in rises)

@@ -80,6 +80,12 @@ def explained_share(field: LikelihoodField, beams: ScanBeams, pose: Pose2, noise
     """Return the share of beams, 0 to 1, that the map explains from a pose, those without a return too.
 
     A beam that returns nothing contradicts a wall that the map shows within its reach.
+
+    Args:
+        field: likelihood field of the map.
+        beams: beams of the scan.
+        pose: map_T_base.
+        noise: sigma of a point's distance to the map, in [m].
     """
     known = ~np.isnan(beams.ranges)
     if not known.any():

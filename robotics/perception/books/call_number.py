@@ -51,7 +51,9 @@ def parse(text: str) -> CallNumber | None:
 
 
 def snap(text: str, catalogue: Sequence[CallNumber], distance: int = 2) -> CallNumber | None:
-    """Return the known call number nearest to a text, at most `distance` edits away; None for a tie."""
+    """Return the known call number nearest to a text, at most `distance` edits away; None for a tie, or if
+    none is that near.
+    """
     read = text.replace(" ", "").upper()
     exact = {known for known in catalogue if str(known).replace(" ", "") == read}
     if exact:

@@ -49,8 +49,12 @@ class CallNumberDecoder:
     """
 
     def __init__(self, characters: Sequence[str], letters: int = 3, max_decimals: int = 4) -> None:
-        """Create a decoder; `characters` are those of the recogniser's output columns, column 0 is the
-        blank.
+        """Create a decoder.
+
+        Args:
+            characters: character of each of the recogniser's output columns; column 0 is the blank.
+            letters: number of letters of a call number.
+            max_decimals: maximum number of digits after its decimal point.
         """
         columns = {character: i for i, character in enumerate(characters)}
         self._groups = [

@@ -24,11 +24,11 @@ class CalibrationBoard(ABC):
     """A pattern of squares; `draw` it, print it, glue it on something flat."""
 
     def __init__(self, columns: int, rows: int, square: float) -> None:
-        """`columns` by `rows` squares with sides of `square` [m]."""
+        """Create a board of `columns` by `rows` squares with sides of `square` [m]."""
         self._columns, self._square = columns, square
         self._size = np.array([columns, rows]) * square
         self.corners = (columns - 1) * (rows - 1)
-        """Inner corners: so many can be seen."""
+        """Number of inner corners, the most that can be seen."""
 
     @property
     def size(self) -> tuple[float, float]:

@@ -23,7 +23,7 @@ class Chessboard(CalibrationBoard):
     """
 
     def __init__(self, columns: int, rows: int, square: float) -> None:
-        """`columns` by `rows` squares with sides of `square` [m]; inner corners are one fewer."""
+        """Create a board of `columns` by `rows` squares, not inner corners, with sides of `square` [m]."""
         super().__init__(columns, rows, square)
         self._inner = (columns - 1, rows - 1)
 

@@ -26,9 +26,17 @@ class CharucoBoard(CalibrationBoard):
         tag: float | None = None,
         family: TagFamily = DEFAULT_FAMILY,
     ) -> None:
-        """`columns` by `rows` squares with sides of `square` [m], each white one with a tag of `tag` [m].
+        """Create a board whose white squares each hold a tag.
 
-        Raises ValueError where the tag doesn't fit its square, or the family has too few tags.
+        Args:
+            columns: number of squares along x.
+            rows: number of squares along y.
+            square: side of a square, in [m].
+            tag: side of a tag, in [m]; None: `TAG_SHARE` of `square`.
+            family: family of the tags.
+
+        Raises:
+            ValueError: the tag doesn't fit its square, or the family has too few tags.
         """
         super().__init__(columns, rows, square)
         tag = TAG_SHARE * square if tag is None else tag
