@@ -53,7 +53,7 @@ class FootprintGuard:
         self._stands: tuple[_Stand, ...] = ()
 
     def stand_at(self, pose: Pose2, scan: FloatArray) -> None:
-        """Allow the robot to be at map_T_base with the room that the map and `scan` leave there.
+        """Allow the robot to be at a pose with the room that map and scan leave there; forget earlier poses.
 
         Args:
             pose: map_T_base.
@@ -62,7 +62,7 @@ class FootprintGuard:
         self._stands = (_Stand(pose, (self._map_room(pose), self._room(scan))),)
 
     def may_stand_at(self, pose: Pose2) -> None:
-        """Allow the robot to come as near to mapped obstacles as it is at a pose map_T_base."""
+        """Allow the robot to come as near to mapped obstacles at one more pose map_T_base as it is there."""
         self._stands += (_Stand(pose, (self._map_room(pose), math.inf)),)
 
     def free_motion(

@@ -75,7 +75,7 @@ class PathTracker:
         return PoseRegulator(goal, self._limits, tolerance, any_heading, self._ramp)
 
     def reroute(self, points: FloatArray, allowed: AllowedSpeeds | None = None) -> None:
-        """Continue along another route to the same goal, without a stop.
+        """Continue along another route to the same goal, without a stop; `progress` begins again at 0.
 
         Args:
             points: (n, 2) from near the robot to the goal, on the map, in [m].

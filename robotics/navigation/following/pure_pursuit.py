@@ -60,7 +60,7 @@ class PurePursuit:
         return self._pace(pose, speed, dt), self._steer(pose)
 
     def astray(self, pose: Pose2) -> float:
-        """Distance from the nearest point of the path, in [m]."""
+        """Return the distance from the point of the path at the present progress, in [m]."""
         return float(np.hypot(*(self._poses[self._at, :2] - pose[:2])))
 
     def advance(self, pose: Pose2) -> None:

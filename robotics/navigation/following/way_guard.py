@@ -76,7 +76,7 @@ class WayGuard:
         self._stands: tuple[_Stand, ...] = ()
 
     def stand_at(self, pose: Pose2, scan: FloatArray) -> None:
-        """Allow the robot to be at map_T_base with the room that the map and `scan` leave there.
+        """Allow the robot to be at a pose with the room that map and scan leave there; forget earlier poses.
 
         Args:
             pose: map_T_base.
@@ -86,7 +86,7 @@ class WayGuard:
         self._stands = (_Stand(pose, (self._map.nearest(pose[:2]).distance, scanned)),)
 
     def may_stand_at(self, pose: Pose2) -> None:
-        """Allow the robot to come as near to mapped obstacles as it is at a pose map_T_base."""
+        """Allow the robot to come as near to mapped obstacles at one more pose map_T_base as it is there."""
         self._stands += (_Stand(pose, (self._map.nearest(pose[:2]).distance, math.inf)),)
 
     def free_way(

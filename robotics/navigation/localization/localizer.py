@@ -97,7 +97,7 @@ class Localizer(ABC):
         """Compare scans with another map of the same frame from now on."""
 
     def change_map(self, field: LikelihoodField, pose: Pose2, covariance: FloatArray) -> None:
-        """Compare scans with the map of another frame from now on.
+        """Set the pose in another frame, and compare scans with the map of that frame from now on.
 
         Args:
             field: of that map.

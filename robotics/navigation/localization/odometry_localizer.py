@@ -40,7 +40,8 @@ class OdometryLocalizer(Localizer):
     Attributes:
         slips: number of drives after which a scan contradicted the wheels.
         astray: True if the map doesn't explain the scan after the last drive, though it did before.
-        explained: share of the points that the map explained when a scan was last compared with it.
+        explained: share of the points that the map explained of the last scan that corrected the pose, 0
+            before the first.
     """
 
     STATE: ClassVar[Mapping[str, Any]] = {
@@ -64,7 +65,7 @@ class OdometryLocalizer(Localizer):
         field: LikelihoodField | None = None,
         sigma: float = 0.01,
     ) -> None:
-        """Start like `Localizer`; `field` is that of the map, `sigma` the noise of a range in [m]."""
+        """Start like `Localizer`; `field` is that of the map, if any, `sigma` the noise of a range in [m]."""
         super().__init__(start, tread, errors, covariance)
         self._field, self._sigma = field, sigma
         self._stands: Pose2 | None = None
@@ -117,14 +118,17 @@ class OdometryLocalizer(Localizer):
 
     @property
     def unchecked(self) -> bool:
-        """True if it has driven since a scan was last compared with the wheels' pose."""
+        """True if it has driven since a scan was last compared with the wheels' pose, or none was so far.
+
+        False without a map.
+        """
         return self._field is not None and self._driven > DRIVING_WHEEL_TRAVEL_M
 
     @property
     def added_sigma(self) -> float:
         """Sigma in [m], along the worst direction, that the drive since the last check has added to the pose.
 
-        0 if no scan at rest can reduce it: without a map, or if the map explained no scan.
+        0 if no scan at rest can reduce it: without a map, or while the map does not explain the scans.
         """
         if not self.unchecked or self.astray or self.explained < LEAST_INLIERS:
             return 0.0
@@ -134,7 +138,7 @@ class OdometryLocalizer(Localizer):
         """Correct the pose after a drive by a scan at rest, its end points (n, 2) in the base frame, in [m].
 
         If chance doesn't explain the difference between the two, the wheels slipped, and the scan's pose
-        counts alone. A map that did not explain the scan before is not used.
+        counts alone. Nothing changes without a map, or if it explains too little of the scan.
         """
         if self._field is None:
             return

@@ -77,7 +77,9 @@ class PositioningLocalizer(Localizer):
         return False
 
     def take(self, number: int, measured: Pose2, periods: int) -> bool:
-        """Correct the pose by a reading, unless the same one was taken before; return whether it was used.
+        """Correct the pose by a reading; return True if it shows, with those before, that the base was moved.
+
+        The pose is then that of the reading. A single reading that nothing explains changes nothing.
 
         Args:
             number: number of the reading; a repeated number is ignored.

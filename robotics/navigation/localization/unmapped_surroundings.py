@@ -81,7 +81,7 @@ class UnmappedSurroundings:
         return match if float(off @ np.linalg.solve(allowed, off)) < PARTIAL_SIGMAS**2 else None
 
     def take(self, points: FloatArray, before: Pose2, pose: Pose2, covariance: FloatArray) -> None:
-        """Take in a scan at its final pose.
+        """Add a scan at its final pose; drop all earlier ones if it moved the pose by more than `SHIFT_M`.
 
         Args:
             points: (n, 2) end points in the base frame, in [m].

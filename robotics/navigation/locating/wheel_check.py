@@ -167,7 +167,7 @@ class Baseline:
             self._then = pose
 
     def begin(self, beams: ScanBeams) -> None:
-        """Begin with a scan."""
+        """Replace the scan by a new one, and count the travel from there."""
         self._before, self._surface = beams, None
         self._left = self._right = self._sideways = self._way = 0.0
         self._moved, self._fastest = Pose2(0.0, 0.0, 0.0), FASTEST_KEPT * self._fastest
@@ -177,7 +177,11 @@ class Baseline:
         self._before, self._surface = None, None
 
     def compares(self, beams: ScanBeams) -> bool:
-        """Return whether the wheels moved far enough to compare a scan; begin with the first one."""
+        """Return whether the wheels moved far enough to compare a scan.
+
+        Begin with this scan, and return False, if it is the first, or the last one is too old or of other
+        beams.
+        """
         before = self._before
         old = self._has_moved(MAX_REFERENCE_M, MAX_REFERENCE_RAD)
         if before is None or old or len(before.angles) != len(beams.angles):

@@ -113,8 +113,10 @@ class ScanLayer:
         )
 
     def restore(self, cells: FloatArray) -> None:
-        """Take over the rows (n, 4) that `cells` returned, x, y in [m], score and time in [s], also from a
-        layer on another map.
+        """Set cells to the rows (n, 4) that `cells` returned; other cells keep their scores.
+
+        Rows are x, y in [m], score, and time in [s]; they may be of a layer on another map of the same frame.
+        Those outside this map are ignored.
         """
         inside = cells[self._grid.inside(cells[:, :2])] if len(cells) else cells
         rows, columns = self._grid.to_cell(inside[:, :2]).T

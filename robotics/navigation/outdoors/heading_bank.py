@@ -131,6 +131,8 @@ class HeadingBank:
     def fix(self, position: FloatArray, sigma: float, odometry: GyroOdometry) -> float:
         """Update with a fix, and return the logarithm of its likelihood.
 
+        If most of the latest fixes fit no heading, begin again at this one.
+
         Args:
             position: (2,) position of the antenna in the field's frame, in [m].
             sigma: standard deviation of its white error along each axis, in [m].
