@@ -22,7 +22,7 @@ class Permits:
 
         Args:
             mode: rule for actions with `permit: operator`: the operator is asked, or the answer is always
-                yes, or always no.
+                yes, or always no; in single steps and at break points the operator is asked all the same.
             step: True to ask the operator before every action.
             breaks: situations before whose actions the operator is asked.
         """

@@ -275,7 +275,8 @@ def service_names(tasks: Sequence[Path]) -> dict[str, Path]:
     found: dict[str, Path] = {}
     for task in tasks:
         plain = re.sub(r"\W", "_", task.parent.name if task.stem == "task" else task.stem, flags=re.ASCII)
-        name, number = plain if plain[:1].isalpha() else f"task_{plain}", 2
+        plain = plain if plain[:1].isalpha() else f"task_{plain}"
+        name, number = plain, 2
         while name in found:
             name, number = f"{plain}_{number}", number + 1
         found[name] = task.resolve()

@@ -144,6 +144,8 @@ class FloorPlan:
         distance = self._distances(base.x, base.y)
         if not self.steady:
             distance = np.where(self.there(time), distance, np.inf)
+            if not np.isfinite(distance).any():
+                return math.inf, ""
         corners = np.ascontiguousarray(base.apply(footprint.corners))
         # no other outline can be nearer than the one with the nearest middle of the base at most is
         candidates = np.flatnonzero(distance - footprint.radius <= distance.min() - footprint.inscribed)

@@ -196,5 +196,6 @@ def test_a_journal_that_grew_since_it_was_read_is_not_resumed(robot: Robot) -> N
 
 
 def test_services_get_names_that_ros_accepts() -> None:
-    tasks = ("/a/drive_map/task.yaml", "/b/my-tour.yaml", "/c/my-tour.yaml", "/d/2nd.yaml")
-    assert list(service_names(list(map(Path, tasks)))) == ["drive_map", "my_tour", "my_tour_2", "task_2nd"]
+    tasks = ("/a/drive_map/task.yaml", "/b/my-tour.yaml", "/c/my-tour.yaml", "/d/2nd.yaml", "/e/2nd.yaml")
+    found = list(service_names(list(map(Path, tasks))))
+    assert found == ["drive_map", "my_tour", "my_tour_2", "task_2nd", "task_2nd_2"]

@@ -10,6 +10,7 @@ from benchmarks.driving.box_ranges import box_ranges
 from handcart.backends.simulation.sensors.ranges import cast_rays
 from handcart.backends.simulation.world.solids import FloorPlan, Solid, of_furniture
 from handcart.backends.simulation.world.world_file import Furniture, Surprise
+from handcart.robotics.geometry.footprint import Footprint
 from handcart.robotics.geometry.pose2 import Pose2
 
 ANGLES = np.linspace(-np.pi, np.pi, 360, endpoint=False)
@@ -57,6 +58,15 @@ def test_a_surprise_is_seen_while_it_is_there(time: float, there: bool) -> None:
     found = cast_rays(plan, Pose2(0, 0, 0), np.zeros(1), time, 12.0)
     assert found[0] == pytest.approx(1.5 if there else math.inf)
     assert (plan.clearance(0.0, 0.0, time)[0] < 2.0) is there
+
+
+@pytest.mark.parametrize(
+    "footprint", [Footprint(0.3), Footprint(((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2)))]
+)
+def test_no_footprint_touches_what_is_not_there_yet(footprint: Footprint) -> None:
+    plan = FloorPlan([box(0.2, 0.0, appears_s=1.0, leaves_s=3.0)], 0.0, 1.0)
+    assert plan.gap(Pose2(0, 0, 0), footprint, 0.5)[0] == math.inf
+    assert plan.gap(Pose2(0, 0, 0), footprint, 1.5)[0] < 0.0
 
 
 def test_clearance_is_the_distance_to_the_outline_and_negative_inside() -> None:
