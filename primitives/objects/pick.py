@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator, Sequence
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, PrivateAttr
+from pydantic import PrivateAttr
 from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
@@ -30,7 +30,12 @@ from handcart.primitives.objects.holding.grasp_plan import (
     plan_grasps,
 )
 from handcart.primitives.objects.holding.placing_plan import goals_on, plan_placing, showing_tags
-from handcart.primitives.objects.knowledge.object_names import ObjectName, SurfaceName, name_in_world
+from handcart.primitives.objects.knowledge.object_names import (
+    ObjectName,
+    SpotName,
+    SurfaceName,
+    name_in_world,
+)
 from handcart.primitives.objects.knowledge.objects import HeldObject, Objects, ObjectSighting
 from handcart.primitives.objects.looking.depth_readings import obstacles
 from handcart.primitives.objects.looking.object_look import ObjectLook, base_T_top, conclude, look_closely
@@ -76,7 +81,7 @@ class Pick(ActionPrimitive):
     """Choice among the free grasps: the best one, or the best one from another side or with another turn."""
     to: SurfaceName | None = None
     """Surface to which the object goes; grasps with which it can be put down there come first."""
-    spot: Annotated[str, Field(min_length=1)] | None = None
+    spot: SpotName | None = None
     """Spot of the surface `to` (default: any)."""
     stow: bool = True
     """Bring the object within the robot's outline in the end, as it must be before the base drives away."""

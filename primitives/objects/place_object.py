@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator, Sequence
-from typing import Annotated, ClassVar
+from typing import ClassVar
 
 import numpy as np
-from pydantic import Field, PrivateAttr
+from pydantic import PrivateAttr
 from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
@@ -34,7 +34,7 @@ from handcart.primitives.objects.holding.placing_plan import (
     turned,
     withdrawn,
 )
-from handcart.primitives.objects.knowledge.object_names import SurfaceName, name_in_world
+from handcart.primitives.objects.knowledge.object_names import SpotName, SurfaceName, name_in_world
 from handcart.primitives.objects.knowledge.objects import HeldObject, Objects, ObjectSighting
 from handcart.primitives.objects.looking.object_look import (
     ObjectLook,
@@ -87,7 +87,7 @@ class PlaceObject(ActionPrimitive):
 
     surface: SurfaceName
     """Name of the surface on which the object is put."""
-    spot: Annotated[str, Field(min_length=1)] | None = None
+    spot: SpotName | None = None
     """Named spot of the surface (default: any free one)."""
     stow: bool = True
     """Bring the arm home in the end, as it must be before the base drives away."""

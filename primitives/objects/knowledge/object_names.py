@@ -12,6 +12,8 @@ ObjectName = Annotated[str, Field(min_length=1), Names("objects")]
 """The name of an object in the file of objects."""
 SurfaceName = Annotated[str, Field(min_length=1), Names("surfaces")]
 """The name of a surface in the file of objects."""
+SpotName = Annotated[str, Field(min_length=1), Names("spots")]
+"""The name of a spot of a surface in the file of objects."""
 
 
 def name_in_world(name: str) -> str:

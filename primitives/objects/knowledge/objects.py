@@ -108,7 +108,8 @@ class Objects(Section):
             return {"places": None}
         surfaces = self.objects.surfaces
         computed = [name for name, surface in surfaces.items() if surface.place is None]
-        return {"objects": self.objects.objects, "surfaces": surfaces, "places": computed}
+        spots = list(dict.fromkeys(spot for surface in surfaces.values() for spot in surface.spots))
+        return {"objects": self.objects.objects, "surfaces": surfaces, "spots": spots, "places": computed}
 
     @override
     def fit(self, robot: RobotFile, grid: GridMap, places: Mapping[str, Place]) -> Iterator[Finding]:

@@ -60,9 +60,10 @@ def test_a_surprise_is_seen_while_it_is_there(time: float, there: bool) -> None:
     assert (plan.clearance(0.0, 0.0, time)[0] < 2.0) is there
 
 
-@pytest.mark.parametrize(
-    "footprint", [Footprint(0.3), Footprint(((0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2)))]
-)
+CORNERS = np.array([[0.3, 0.2], [-0.3, 0.2], [-0.3, -0.2], [0.3, -0.2]])
+
+
+@pytest.mark.parametrize("footprint", [Footprint(0.3), Footprint(0.4, CORNERS)], ids=["disc", "polygon"])
 def test_no_footprint_touches_what_is_not_there_yet(footprint: Footprint) -> None:
     plan = FloorPlan([box(0.2, 0.0, appears_s=1.0, leaves_s=3.0)], 0.0, 1.0)
     assert plan.gap(Pose2(0, 0, 0), footprint, 0.5)[0] == math.inf
