@@ -31,7 +31,7 @@ class BrokenDomain(InputError):
 
 
 class Knowledge(NamedTuple):
-    """Domain knowledge that a robot is given, and learns."""
+    """Declaration of a domain's knowledge: the class that holds it, and the task file's keys of its files."""
 
     section: str
     """Import path of a subclass of `handcart.primitives.knowledge.section:Section`."""

@@ -139,7 +139,7 @@ class KinematicGripper(SimulatedGripper):
         return self._scene.width
 
     def advance(self, period: int) -> bool:
-        """Move the fingers for a period; return True if they moved, or the held thing changed."""
+        """Move the fingers in period number `period`; return True if they or the held thing changed."""
         self._now = period
         before, held = self._scene.width, self._scene.held
         way = max(-self._step, min(self._step, self._command - before))

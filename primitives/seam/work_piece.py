@@ -34,7 +34,7 @@ class WorkBox(FileModel):
 
 
 class WorkPiece(FileModel):
-    """A work piece, with the boxes that it lies on."""
+    """Work piece to be welded, as a file of boxes: those of the piece itself and those that it lies on."""
 
     format: Literal["handcart-work-piece/1"]
     boxes: Annotated[tuple[WorkBox, ...], Field(min_length=1)]

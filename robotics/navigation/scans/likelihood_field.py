@@ -148,7 +148,7 @@ def beam_sectors(points: FloatArray, sensor: tuple[float, float], count: int) ->
     Args:
         points: (n, 2) where beams ended, on the map, in [m].
         sensor: x and y on the map, in [m].
-        count: length of `facing`; 1 if no surface has a side.
+        count: length of `facing`; 1 for a map drawn from echoes, where all indices are 0.
     """
     out = np.zeros(len(points), dtype=np.int32)
     if count == 1:
