@@ -27,9 +27,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     percent, seed = config.getoption("--drawn"), config.getoption("--draw-seed")
     if percent is None:
         return
-    left = [item for item in items if item.get_closest_marker("slow") and _draw(item.nodeid, seed) >= percent]
+    kept, left = list[pytest.Item](), list[pytest.Item]()
+    for item in items:
+        is_left = item.get_closest_marker("slow") and _draw(item.nodeid, seed) >= percent
+        (left if is_left else kept).append(item)
     config.hook.pytest_deselected(items=left)
-    items[:] = [item for item in items if item not in set(left)]
+    items[:] = kept
 
 
 def _draw(name: str, seed: str) -> float:

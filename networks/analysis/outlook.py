@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from handcart.networks.chains.policy import State, policy
 from handcart.networks.chains.policy_chain import policy_chain
+from handcart.networks.graph.planner import Planner
 from handcart.networks.task.task_file import Task
 
 from .figures import missing_chances, network_chances
@@ -27,14 +28,13 @@ class Outlook(NamedTuple):
     """Probability if the action is refused, which counts as its Fail."""
 
 
-def outlook(task: Task, situation: str, fails: Mapping[int, int], action: int) -> Outlook:
-    """Return the exact outlook of a waiting action, by the probabilities in the task's file.
+def outlook(task: Task, situation: str, counts: Mapping[int, int], action: int) -> Outlook:
+    """Return the exact outlook of a waiting action, by the probabilities in the task's file and the rule.
 
     Args:
         task: the task of the run.
         situation: the run's present situation.
-        fails: number of Fails of each action, by its number in the network; as many as it has attempts
-            if a Fail was for good.
+        counts: counts of Fails by counter (`Action.counter`), as in `Attempts`; those at 0 may be missing.
         action: number of the action that waits for permission.
 
     Raises:
@@ -47,17 +47,21 @@ def outlook(task: Task, situation: str, fails: Mapping[int, int], action: int) -
             f"{count} action{'s have' if count > 1 else ' has'} no probability `p` in the task's file"
         )
     one = task.network.actions[action]
-    more = {**fails, action: fails.get(action, 0) + 1}
+    done, failed = Planner(task.network), Planner(task.network)
+    for planner in (done, failed):
+        planner.counts.update(counts)
+    done.succeeded(one)
+    failed.failed(one, "")
     return Outlook(
-        _goal(task, situation, fails),
-        _goal(task, one.target, fails),
-        _goal(task, one.on_fail or situation, more),
+        _goal(task, situation, counts),
+        _goal(task, one.target, done.counts),
+        _goal(task, one.on_fail or situation, failed.counts),
     )
 
 
-def _goal(task: Task, situation: str, fails: Mapping[int, int]) -> float:
+def _goal(task: Task, situation: str, counts: Mapping[int, int]) -> float:
     if situation == task.network.goal:
         return 1.0
     chances = network_chances(task)
-    start = State(situation, tuple(sorted(fails.items())))
+    start = State(situation, tuple(sorted(counts.items())))
     return policy_chain(policy(task.network, start=start, chances=chances), chances).ends.goal.p

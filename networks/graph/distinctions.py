@@ -33,12 +33,12 @@ def distinctions(actions: Sequence[SiblingAction | None]) -> dict[int, str]:
     found: dict[int, str] = {}
     for places in alike.values():
         if len(places) > 1:
-            words = _told_apart([each for place in places if (each := actions[place])])
+            words = _distinguished([each for place in places if (each := actions[place])])
             found |= zip(places, words, strict=True)
     return found
 
 
-def _told_apart(actions: Sequence[SiblingAction]) -> list[str]:
+def _distinguished(actions: Sequence[SiblingAction]) -> list[str]:
     given = [action.given() for action in actions]
     differing = [name for name in dict.fromkeys(n for item in given for n in item) if _differs(name, given)]
     if not differing:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from handcart.networks.deciding.belief_planner import BeliefPlanner
@@ -13,7 +13,7 @@ from handcart.networks.graph.network import Action, ActionNetwork
 from handcart.networks.graph.plan_search import PlanSearch
 from handcart.networks.graph.planner import NoWay, Plan, Planner
 
-from .past_run import PastAction, PastRun
+from .past_run import PastAction, PastRun, Record
 
 
 @dataclass(frozen=True)
@@ -103,6 +103,17 @@ def choice_of(run: PastRun, action: PastAction) -> Choice | None:
     )
 
 
+def counts_now(run: PastRun) -> dict[int, int]:
+    """Return the counts of Fails after all records of a run, by counter (`Action.counter`), as in `Attempts`.
+
+    Those at 0 are not included; the journal of the run keeps its network.
+    """
+    assert run.network is not None
+    planner = Planner(run.network.network)
+    _count(planner, _counted(run, run.records))
+    return planner.counts
+
+
 class _Then:
     """The planner in its state before an action."""
 
@@ -110,7 +121,7 @@ class _Then:
         assert run.network is not None
         self.network: ActionNetwork = run.network.network
         self._search = PlanSearch(self.network)
-        self._events = list(_counted(run, action))
+        self._events = list(_counted(run, run.before(action)))
         self._planner = self._new_planner()
         goal = _pursued(run, action)
         self._goal = None if goal == self.network.goal else goal
@@ -163,15 +174,7 @@ class _Then:
         planner = Planner(self.network, self._search)
         if self.network.policy != "rule":
             planner = planner_of(self.network)
-        for index, word in self._events:
-            if word == ROUND:
-                planner.begin_again()
-            elif word == SUCCEEDED:
-                planner.succeeded(self.network.actions[index])
-            elif word == HOPED:
-                planner.hoped(self.network.actions[index])
-            else:
-                planner.failed(self.network.actions[index], "", permanent=word == FOR_GOOD)
+        _count(planner, self._events)
         return planner
 
 
@@ -179,12 +182,25 @@ SUCCEEDED, FAILED, FOR_GOOD = "succeeded", "failed", "failed for good"
 HOPED, ROUND = "succeeded, and had to fail", "another round began"
 
 
-def _counted(run: PastRun, action: PastAction) -> Iterator[tuple[int, str]]:
-    """Yield all that counted before an action: index and outcome of ended actions; -1 for a new round."""
+def _count(planner: Planner, events: Iterable[tuple[int, str]]) -> None:
+    """Count events of a run, as `_counted` yields them, in a planner."""
+    for index, word in events:
+        if word == ROUND:
+            planner.begin_again()
+        elif word == SUCCEEDED:
+            planner.succeeded(planner.network.actions[index])
+        elif word == HOPED:
+            planner.hoped(planner.network.actions[index])
+        else:
+            planner.failed(planner.network.actions[index], "", permanent=word == FOR_GOOD)
+
+
+def _counted(run: PastRun, records: Iterable[Record]) -> Iterator[tuple[int, str]]:
+    """Yield all that counts in records of a run: index and outcome of ended actions; -1 for a new round."""
     indices = {item.number: item.index for item in run.actions}
     started: dict[int, int] = {}
     needed: int | None = None  # the action whose Fail is needed, by the last plan
-    for record in run.before(action):
+    for record in records:
         kind = record["kind"]
         if kind == "AIM" and record["what"] == "round":
             yield -1, ROUND

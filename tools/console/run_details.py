@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -19,8 +18,8 @@ from handcart.networks.drawing.svg import to_svg
 from handcart.networks.journal.waiting import waiting
 from handcart.networks.operator.acknowledging import cause_of
 from handcart.networks.operator.view_address import view_address
-from handcart.networks.past_runs.hindsight import choice_of
-from handcart.networks.past_runs.past_run import PastRun, read_run
+from handcart.networks.past_runs.hindsight import choice_of, counts_now
+from handcart.networks.past_runs.past_run import read_run
 from handcart.networks.run_files.run_folder import read_run_journal
 from handcart.networks.task.task_file import load_task
 
@@ -78,7 +77,7 @@ class RunDetails:
             task = load_task(Path(str(run.header["task_path"])), run.header.get("settings") or {})
             if task.network.fingerprint() != run.header.get("network"):
                 return {"unknown": "the task's file has changed since the run began"}
-            return outlook(task, situation, _fails(run), action)._asdict()
+            return outlook(task, situation, counts_now(run), action)._asdict()
         except (NoOutlook, TooLarge, HandcartError) as error:
             return {"unknown": str(error).splitlines()[0]}
 
@@ -177,14 +176,3 @@ def _action(action: Any) -> dict[str, Any]:
         "outcome": action.outcome,
         "reason": action.reason,
     }
-
-
-def _fails(run: PastRun) -> dict[int, int]:
-    """Return the number of Fails of each action; its number of attempts if a Fail was for good."""
-    assert run.network is not None
-    fails: Counter[int] = Counter()
-    for action in run.actions:
-        if action.outcome == "Fail":
-            attempts = run.network.network.actions[action.index].attempts
-            fails[action.index] = attempts if action.result.get("permanent") else fails[action.index] + 1
-    return dict(fails)

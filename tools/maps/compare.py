@@ -44,7 +44,7 @@ def compare(
             raise typer.BadParameter(f"{path} has no occupied cell; needed: a map with walls")
     with announced("aligning the maps"):
         found = compare_maps(*grids, Pose2(0.0, 0.0, 0.0) if keep else None)
-    names = told_apart(first, second)
+    names = distinct_names(first, second)
     report(found, *names, as_json)
     if output is not None:
         try:
@@ -53,7 +53,7 @@ def compare(
             raise NotWritable(output, error.strerror) from None
 
 
-def told_apart(first: Path, second: Path) -> tuple[str, str]:
+def distinct_names(first: Path, second: Path) -> tuple[str, str]:
     """Return the shortest ends of two paths that differ: `office/map.yaml` and `other/map.yaml`."""
     one, other = first.resolve().parts, second.resolve().parts
     for count in range(1, max(len(one), len(other))):

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from handcart.robotics.numerics.compiled import hearing_of_compiling
 from handcart.robotics.numerics.compiling_ahead import compiling_ahead
 
-COMPILING_MESSAGE = "compiling inner loops: only once after installing"
+COMPILING_MESSAGE = "compiling inner loops; they are kept for later runs"
 SILENT_TIME_S = 1.0
 
 

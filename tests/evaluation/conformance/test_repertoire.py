@@ -53,6 +53,16 @@ def test_a_variant_is_tried_in_what_its_robot_is_made_for() -> None:
 
 
 @pytest.mark.slow
+def test_unknown_robot_is_tried_in_all_its_capabilities() -> None:
+    tasks = KitSetting("kinematic", "cart").tasks
+    assert [f"{path.parent.name}/{path.name}" for path in tasks] == [
+        "drive_map/task.yaml",
+        "drive_map/locate.yaml",
+        "drive_map/explore.yaml",
+    ]
+
+
+@pytest.mark.slow
 def test_a_robot_of_somebodys_own_is_tried_in_all_that_it_can_do() -> None:
     librarian = str(robot_path("librarian"))
     tasks = repertoire(librarian, {"robot": librarian}, "kinematic")

@@ -123,7 +123,7 @@ def test_comparison_reports_what_is_missing(plan: Path, tmp_path: Path, handcart
     assert "<svg" in (tmp_path / "a.svg").read_text(encoding="utf-8")
 
 
-def test_compared_maps_of_one_name_are_told_apart(tmp_path: Path, handcart: Handcart) -> None:
+def test_compared_maps_of_one_name_get_distinct_names(tmp_path: Path, handcart: Handcart) -> None:
     for folder in ("office", "other"):
         (tmp_path / folder).mkdir()
         write_grid(tmp_path / folder / "map.yaml", room())

@@ -81,10 +81,10 @@ def test_every_target_in_reach_is_reached_on_a_straight_line() -> None:
 @pytest.mark.slow
 def test_the_printed_jacobian_fails_the_same() -> None:
     good = 0
-    for target in targets(3):
+    for target in targets(5):
         q, astray = lead(MIDDLE, target, printed)
         good += bool(np.hypot(*(ARM.tip(q) - target)) < 1e-3 and astray < 0.5e-3)
-    assert good < 2
+    assert good < 3
 
 
 def test_inverse_returns_the_posture_and_rejects_beyond_limits() -> None:
