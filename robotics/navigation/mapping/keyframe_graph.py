@@ -49,7 +49,6 @@ class KeyframeGraph:
         """Begin with one or more keyframes, their poses in the graph's frame, and edges of neighbours."""
         self.frames, self.poses, self._edges = frames, poses, edges
         self.accepted = list[Loop]()
-        self.rejected = Counter[str]()
         self._unsupported = list[Loop]()
         self._tried = dict[tuple[int, int], Pose2]()
         self._last_reason = dict[tuple[int, int], str]()
@@ -94,24 +93,29 @@ class KeyframeGraph:
         turn = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
         self._edges.append(Edge(0, number, pose.relative_to(self.poses[0]), turn @ information @ turn.T))
 
+    @property
+    def rejected(self) -> Counter[str]:
+        """Number of pairs of keyframes whose latest closure was rejected, by reason."""
+        return Counter(reason for reason in self._last_reason.values() if reason)
+
     def search(self, heard: Heard = ignore_stage, since: int = 0) -> None:
         """Add loop closures by keyframes from number `since` on and optimize the poses, until none is new."""
         for number in range(MAX_ROUNDS):
             found = list(self._close(_stage(heard, f"closing loops, round {number + 1}"), since))
-            for loop in found:
-                self._last_reason[loop.first, loop.second] = loop.reason
+            self._note(found)
+            again = {_pair_of(loop) for loop in found}
+            waiting = (loop for loop in self._unsupported if _pair_of(loop) not in again)
             fitting = (loop for loop in found if not loop.reason and loop.match is not None)
-            good = [*self.accepted, *self._unsupported, *fitting]
+            good = [*self.accepted, *waiting, *fitting]
             support = supported(good, self.poses)
             for loop, has_support in zip(good, support, strict=True):
-                self._last_reason[loop.first, loop.second] = "" if has_support else "no other closure agrees"
+                self._last_reason[_pair_of(loop)] = "" if has_support else "no other closure agrees"
             kept = [loop for loop, has_support in zip(good, support, strict=True) if has_support]
             self._unsupported = [loop for loop, there in zip(good, support, strict=True) if not there]
-            if len(kept) == len(self.accepted):
+            if [_pair_of(loop) for loop in kept] == [_pair_of(loop) for loop in self.accepted]:
                 break
             self.accepted = kept
             self.optimize()
-        self.rejected = Counter(reason for reason in self._last_reason.values() if reason)
 
     def refine(self, heard: Heard = ignore_stage) -> None:
         """Replace the closures by ones between all keyframes that see the same place, and optimize the poses.
@@ -123,19 +127,27 @@ class KeyframeGraph:
         for number in range(REFINING_ROUNDS):
             found = list(self._track(_stage(heard, f"refining, round {number + 1}")))
             good = [loop for loop in found if not loop.reason]
-            self.accepted = good or self.accepted
+            if good:
+                self.accepted = good
+                self._note(found)
             self.optimize()
 
     def optimize(self) -> None:
         """Move the poses to the optimum, without the closures that contradict the others."""
-        for _ in range(2):
+        while True:
             poses = optimize(np.array(self.poses), self.edges)
             errors = edge_errors(poses, self.loop_edges)
-            for loop, error in zip(self.accepted, errors, strict=True):
-                if error > CHI2_LIMIT:
-                    self._last_reason[loop.first, loop.second] = "contradicts the others"
+            contradicting = [loop for loop, e in zip(self.accepted, errors, strict=True) if e > CHI2_LIMIT]
+            if not contradicting:
+                break
+            self._note(loop._replace(reason="contradicts the others") for loop in contradicting)
             self.accepted = [loop for loop, e in zip(self.accepted, errors, strict=True) if e <= CHI2_LIMIT]
         self.poses = [Pose2(*pose) for pose in poses.tolist()]
+
+    def _note(self, loops: Iterable[Loop]) -> None:
+        """Record the reasons of tested closures, each in place of an earlier one of its pair."""
+        for loop in loops:
+            self._last_reason[_pair_of(loop)] = loop.reason
 
     def _close(self, heard: Callable[[float], None], since: int) -> Iterable[Loop]:
         """Yield the result of each loop that is worth a try from the present poses."""
@@ -156,7 +168,7 @@ class KeyframeGraph:
     def _is_new(self, candidate: Candidate, predicted: Pose2) -> bool:
         """Return whether a pair was not tried yet from about this prediction, and remember it."""
         pair = candidate.first, candidate.second
-        if any((loop.first, loop.second) == pair for loop in self.accepted):
+        if any(_pair_of(loop) == pair for loop in self.accepted):
             return False
         last = self._tried.get(pair)
         if last is not None and last.distance(predicted) < 0.3 and last.turn(predicted) < 0.05:
@@ -182,6 +194,10 @@ class KeyframeGraph:
 
 def _stage(heard: Heard, words: str) -> Callable[[float], None]:
     return lambda share: heard(words, share)
+
+
+def _pair_of(loop: Loop) -> tuple[int, int]:
+    return loop.first, loop.second
 
 
 def _edge(loop: Loop) -> Edge:
