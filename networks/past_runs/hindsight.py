@@ -26,6 +26,16 @@ class OpenRoute:
 
 
 @dataclass(frozen=True)
+class FailRoute:
+    """The cheapest route to the goal after a Fail."""
+
+    cause: str
+    """Cause of the Fail; empty for all causes that `Action.fail_endings` does not name."""
+    situation: str
+    way: OpenRoute
+
+
+@dataclass(frozen=True)
 class Option:
     """An action that leads out of the situation."""
 
@@ -65,10 +75,10 @@ class Choice:
     """All actions out of the situation: the chosen one first, then by cost."""
     next_best: OpenRoute | None
     """The cheapest other route, which may share its begin with the plan; None if there was none."""
-    after_fail: OpenRoute | None
-    """Cheapest route after a Fail, which planning does not consider.
+    after_fails: tuple[FailRoute, ...]
+    """Cheapest routes after a Fail, by its cause, which planning does not consider.
 
-    None if the situation stays, or no route is left.
+    Causes that leave the situation as it is, and those after which no route is left, are not included.
     """
     policy: str = "rule"
     """Policy by which the run chose, as the task's file names it."""
@@ -97,7 +107,7 @@ def choice_of(run: PastRun, action: PastAction) -> Choice | None:
         OpenRoute(plan.actions, plan.cost),
         tuple(options),
         min(ways, key=lambda way: way.cost, default=None),
-        then.after_fail(chosen),
+        tuple(then.after_fails(chosen)),
         then.judged.follows if then.judged else then.network.policy,
         then.judged,
     )
@@ -135,13 +145,14 @@ class _Then:
     def plan(self, situation: str, without: Sequence[Action] = ()) -> Plan | NoWay:
         return self._planner.plan(situation, self._goal, without=without)
 
-    def after_fail(self, action: Action) -> OpenRoute | None:
-        if action.on_fail is None:
-            return None
+    def after_fails(self, action: Action) -> Iterator[FailRoute]:
         planner = self._new_planner()
         planner.failed(action, "")
-        plan = planner.plan(action.on_fail, self._goal)
-        return OpenRoute(plan.actions, plan.cost) if isinstance(plan, Plan) else None
+        ends = [("", action.on_fail), *((ending.cause, ending.target) for ending in action.fail_endings)]
+        for cause, situation in ends:
+            plan = None if situation is None else planner.plan(situation, self._goal)
+            if situation is not None and isinstance(plan, Plan):
+                yield FailRoute(cause, situation, OpenRoute(plan.actions, plan.cost))
 
     def option(self, action: Action) -> Option:
         fails = self._planner.fails(action)

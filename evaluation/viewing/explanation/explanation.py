@@ -222,7 +222,8 @@ def _choice_json(choice: Choice) -> dict[str, Any]:
             for option in choice.options
         ],
         "next_best": choice.next_best and _way_json(choice.next_best),
-        "after_fail": choice.after_fail and _way_json(choice.after_fail),
+        "after_fail": next((_way_json(fail.way) for fail in choice.after_fails if not fail.cause), None),
+        "after_fail_by_cause": {fail.cause: _way_json(fail.way) for fail in choice.after_fails if fail.cause},
     }
 
 

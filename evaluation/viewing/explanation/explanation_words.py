@@ -141,9 +141,10 @@ def choice_words(choice: Choice) -> Iterator[str]:
         yield f"the next best way parts from it later, {_cost(later)}: {_steps(later)}"
     if later is None:
         yield "no other way led to the goal"
-    if choice.after_fail is not None:
-        rest = f"{_cost(choice.after_fail)} from the goal: {_steps(choice.after_fail)}"
-        yield f"a Fail leads to {choice.chosen.on_fail}, then {rest}"
+    for fail in choice.after_fails:
+        cause = f" by {fail.cause}" if fail.cause else ""
+        rest = f"{_cost(fail.way)} from the goal: {_steps(fail.way)}"
+        yield f"a Fail{cause} leads to {fail.situation}, then {rest}"
 
 
 def _chosen_words(choice: Choice) -> str:

@@ -9,6 +9,7 @@ from typing import TypeVar
 
 import pytest
 
+from handcart.evaluation.viewing.explanation.explanation_words import choice_words
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.graph.planner import SKIP_WEIGHT
 from handcart.networks.journal.journal import Journal
@@ -73,11 +74,29 @@ def test_the_other_ways_cost_what_they_cost_then(run: Callable[..., tuple[PastRu
     assert choice.way.cost == 3.0
     assert [(option.weight, known(option.way).cost) for option in choice.options] == [(2.0, 3.0), (6.0, 6.0)]
     assert known(choice.next_best).cost == 6.0
-    assert [action.index for action in known(choice.after_fail).actions] == [3, 0, 1]
+    assert [[action.index for action in fail.way.actions] for fail in choice.after_fails] == [[3, 0, 1]]
     again = known(choice_of(past, second))
     assert (again.chosen.index, again.way.cost) == (0, 5.0)
     assert [(option.weight, option.fails) for option in again.options] == [(4.0, 1), (6.0, 0)]
     assert third.index == 1
+
+
+def test_routes_after_a_fail_are_those_of_its_cause(
+    run: Callable[..., tuple[PastRun, ActionNetwork]],
+) -> None:
+    by_cause = "{blocked: c, slipped: {to: b}, else: a}"
+    past, _ = run(TASK.replace("on_fail: c,", f"on_fail: {by_cause},"))
+    after = known(choice_of(past, past.actions[0])).after_fails
+    assert [(fail.cause, fail.situation, fail.way.cost) for fail in after] == [
+        ("", "a", 5.0),
+        ("blocked", "c", 6.0),
+        ("slipped", "b", 1.0),
+    ]
+    shutil.rmtree(past.folder)
+    past, _ = run(TASK.replace("on_fail: c,", "on_fail: {blocked: c},"))
+    choice = known(choice_of(past, past.actions[0]))
+    assert [fail.cause for fail in choice.after_fails] == ["blocked"]
+    assert list(choice_words(choice))[-1].startswith("a Fail by blocked leads to c, then 6 s from the goal")
 
 
 def test_what_was_used_up_is_told(run: Callable[..., tuple[PastRun, ActionNetwork]]) -> None:
