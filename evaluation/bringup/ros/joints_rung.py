@@ -26,6 +26,8 @@ TURN_SPEED, SLIDE_SPEED = math.radians(6.0), 0.02
 SETTLE_S = 1.5
 BEGUN_SHARE = 0.2
 """Share of the test motion from which a joint has begun to move: more than its noise."""
+AHEAD_SHARE = 0.5
+"""Share of the begun motion by which a reading can be ahead of its command by noise alone."""
 MAX_ERROR = 0.25
 """Share by which the command, the reading and a person's measurement may differ."""
 SLACK_RAD, SLACK_M = math.radians(1.0), 0.003
@@ -45,7 +47,7 @@ class JointTrial(NamedTuple):
     true: float
     """Motion by the ground truth of a bench; 0 for a real robot."""
     latency_s: float
-    """Time by which the reading follows the command, in whole periods; NaN if it never moved."""
+    """Time by which the reading follows the command, in whole periods; NaN if it does not follow it."""
 
 
 class JointsRung(Rung[RosSite]):
@@ -163,19 +165,28 @@ class JointLag:
         """Prepare to detect a motion by `passed`, in [rad] or [m], in either direction."""
         self._passed, self._number = passed, 0
         self._commanded = self._read = math.nan
+        self._is_moved_otherwise = False
 
     def note(self, commanded: float, read: float) -> None:
         """Record commanded and measured motion since the start, in [rad] or [m]; called once a period."""
         if math.isnan(self._commanded) and abs(commanded) >= self._passed:
             self._commanded = self._number
+        if math.isnan(self._commanded):
+            self._is_moved_otherwise |= abs(read) - abs(commanded) >= AHEAD_SHARE * self._passed
         if math.isnan(self._read) and abs(read) >= self._passed:
             self._read = self._number
         self._number += 1
 
     @property
     def periods(self) -> float:
-        """Return the lag in periods, at least 0; NaN if the reading has not moved by `passed` yet."""
-        return max(0.0, self._read - self._commanded) if math.isfinite(self._read) else math.nan
+        """Return the lag in periods, at least 0.
+
+        NaN if the reading has not moved by `passed` yet, and if it was ahead of the command: then something
+        else moved it, such as an earlier command.
+        """
+        if not math.isfinite(self._read) or self._is_moved_otherwise:
+            return math.nan
+        return max(0.0, self._read - self._commanded)
 
 
 def hand_shift(model: ArmModel, joints: FloatArray, number: int, way: float) -> str:
@@ -233,8 +244,13 @@ def _compare(
 
 def _check_latency(site: RosSite, name: str, latency_s: float) -> None:
     """Raise `RungFailed` if a joint follows so late that each motion of the arm would end as not following
-    its commands.
+    its commands, and if its reading moved before its command.
     """
+    if math.isnan(latency_s):
+        raise RungFailed(
+            f"{name}: its reading moved before its command, so its latency is unknown; does it still follow"
+            " an earlier command, or did something push it?"
+        )
     periods = MAX_LAG_PERIODS - 1
     most = periods * site.robot.period_s
     if latency_s > most + 1e-9:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.scan import Scan
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.loading.robot_loading import load_robot
@@ -17,7 +18,7 @@ from handcart.evaluation.bringup.ladder import BenchFirst, Ladder
 from handcart.evaluation.bringup.operator import BenchOperator, ScriptedOperator
 from handcart.evaluation.bringup.ros.base_rung import BaseRung
 from handcart.evaluation.bringup.ros.gripper_rung import GripperRung
-from handcart.evaluation.bringup.ros.joints_rung import JointsRung, nudge
+from handcart.evaluation.bringup.ros.joints_rung import JointLag, JointsRung, nudge
 from handcart.evaluation.bringup.ros.procedure import ROS_RUNGS
 from handcart.evaluation.bringup.ros.ros_site import RosSite
 from handcart.evaluation.bringup.ros.scan_turn import check_side
@@ -120,6 +121,32 @@ def test_the_latency_of_a_joint_is_measured(site_of: Any) -> None:
         with site.backend() as backend, site.operator.hold("") as held:
             latencies.append(nudge(site, backend, 0, 0.1, held).latency_s)
     assert latencies[1] - latencies[0] == pytest.approx(0.1, abs=1e-9)
+
+
+def test_reading_that_moves_before_its_command_has_no_lag() -> None:
+    """Readings follow two periods late, with noise, and in the second case an earlier command moves them."""
+    command = np.minimum(0.02 * np.arange(1, 12), 0.1)
+    late = np.concatenate([[0.0, 0.0], command[:-2]])
+    for earlier, periods in ((0.0, 2.0), (0.05, math.nan)):
+        lag = JointLag(0.05)
+        for commanded, read in zip(command, np.maximum(late + 0.004, earlier), strict=True):
+            lag.note(commanded, read)
+        assert lag.periods == pytest.approx(periods, nan_ok=True)
+
+
+def test_joint_that_follows_an_earlier_command_has_no_latency(site_of: Any) -> None:
+    site = site_of("librarian", "joints.latency=0.1")
+    with site.backend() as backend, site.operator.hold("") as held:
+        arm = backend.get(Arm)
+        arm.move(arm.command() + 0.07 * np.eye(len(arm.command()))[0])
+        backend.step()
+        assert math.isnan(nudge(site, backend, 0, 0.1, held).latency_s)
+
+
+def test_latency_of_a_joint_that_was_moved_is_refused(site_of: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(JointLag, "periods", math.nan)
+    with pytest.raises(RungFailed, match="joint_1: its reading moved before its command"):
+        JointsRung().climb(site_of("librarian"))
 
 
 @pytest.mark.parametrize("wrong", ["gripper=1000", "gripper=0.5"])
