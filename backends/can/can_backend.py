@@ -147,15 +147,14 @@ class CanBackend(Backend):
     ) -> CanBackend:
         if robot.can is None:
             raise NoDrives()
-        inner = None
-        if bench is not None:
-            inner = bench.build(robot, world, seed)
-        stand = Bench(robot, robot.can, inner)
-        try:
+        inner = None if bench is None else bench.build(robot, world, seed)
+        with ExitStack() as parts:  # closed here unless the backend owns them
+            if inner is not None:
+                parts.callback(inner.close)
+            stand = Bench(robot, robot.can, inner)
+            parts.callback(stand.close)
             backend = cls(robot, stand)
-        except BaseException:
-            stand.close()
-            raise
+            parts.pop_all()
         backend.remarks = () if inner is None else inner.remarks
         return backend
 

@@ -119,7 +119,11 @@ class RosBackend(Backend):
             raise NoTopics()
         check_joints(robot, robot.ros2)
         inner = bench.build(robot, world, seed)
-        backend = cls(robot, LocalBench(robot, robot.ros2, inner))
+        try:
+            backend = cls(robot, LocalBench(robot, robot.ros2, inner))
+        except BaseException:
+            inner.close()
+            raise
         backend.remarks = inner.remarks
         return backend
 

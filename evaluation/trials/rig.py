@@ -151,5 +151,9 @@ def build_rig(
     findings.add(*model.fit(spec))
     findings.raise_all()
     made = make_backend(backend, spec, files.world, seed, start, bench=bench, put_at_start=put_at_start)
-    made_robot = Robot(made, spec, start if is_start_known else None, model.map, files.is_without_map)
+    try:
+        made_robot = Robot(made, spec, start if is_start_known else None, model.map, files.is_without_map)
+    except BaseException:
+        made.close()
+        raise
     return Rig(made_robot, model, made, knowledge)

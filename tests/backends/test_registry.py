@@ -48,3 +48,26 @@ def test_a_backend_that_reads_files_itself_gets_one_for_a_map(monkeypatch: pytes
     backend: Any
     with make_backend("reads", load_robot("librarian"), chart, 0, Pose2(1.5, 1.0, 0.0)) as backend:
         assert len(backend.scene.solids) > 3
+
+
+@pytest.mark.parametrize(
+    ("drives", "part"),
+    [
+        ("can", "can.can_backend.Bench"),
+        ("ros2", "ros2.ros_backend.LocalBench"),
+    ],
+)
+def test_robot_of_a_bench_that_cannot_be_built_is_closed(
+    drives: str, part: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise ValueError("refused")
+
+    closed = list[Backend]()
+    monkeypatch.setattr(KinematicBackend, "close", lambda self: closed.append(self))
+    monkeypatch.setattr(f"handcart.backends.{part}", refuse)
+    path = tmp_path / "world.yaml"
+    path.write_text("format: handcart-world/1\nstart: {x_m: 0, y_m: 0}\n", encoding="utf-8")
+    with pytest.raises(ValueError, match="refused"):
+        make_backend(drives, load_robot("cart"), path, seed=1, bench="kinematic")
+    assert closed

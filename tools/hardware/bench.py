@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TextIO
 
@@ -117,37 +118,42 @@ def _serve_drives(
         raise NoDrives()
     planned = [_planned(fault) for fault in faults]
     backend, world, seed = simulated
-    inner = None if backend is None else make_backend(backend, spec, world or _library(), seed)
     interface = interface or BETWEEN_PROCESSES
     channel = channel or (spec.can.channel if spec.can.interface == interface else MULTICAST)
-    bus = open_interface(interface, channel, 1000 * spec.can.bitrate_kbit_s)
-    try:
-        _check_free(bus, spec.can, interface, channel, robot)
-    except BaseException:
-        bus.shutdown()
-        raise
-    made = Bench(spec, spec.can, inner, bus)
-    over = AskedToEnd()
-    end = None if seconds is None else time.monotonic() + seconds
-    file = None if log is None else log.open("w", encoding="utf-8", buffering=1)
-    looks: list[Callable[[Bench], None]] = [] if file is None else [_Log(file)]
-    scans = None
-    try:
+    looks: list[Callable[[Bench], None]] = []
+    with ExitStack() as opened:
+        if log is not None:
+            looks.append(_Log(opened.enter_context(_opened(log))))
+        with ExitStack() as parts:  # closed here unless the bench owns them
+            inner = None if backend is None else make_backend(backend, spec, world or _library(), seed)
+            if inner is not None:
+                parts.callback(inner.close)
+            bus = open_interface(interface, channel, 1000 * spec.can.bitrate_kbit_s)
+            parts.callback(bus.shutdown)
+            _check_free(bus, spec.can, interface, channel, robot)
+            made = Bench(spec, spec.can, inner, bus)
+            parts.pop_all()
+        opened.callback(made.close)
         if range_port is not None:
             scans = _scans(made, range_port)
+            opened.callback(scans.close)
             looks.append(lambda item: scans.send(item.time))
         for name, at, node in planned:
             inject(made, name, at, node)
+        over, end = AskedToEnd(), None if seconds is None else time.monotonic() + seconds
         nodes = ", ".join(f"{name} {axis.node}" for name, axis in spec.can.axes())
         print(f"drives of {robot} on {interface} {channel}: {nodes}; Ctrl-C ends", flush=True)
         server = BenchServer(made, spec.period_s, look=lambda item: [look(item) for look in looks])
         server.serve(lambda: bool(over) or (end is not None and time.monotonic() >= end))
-    finally:
-        made.close()
-        if scans is not None:
-            scans.close()
-        if file is not None:
-            file.close()
+
+
+def _opened(log: Path) -> TextIO:
+    from handcart.tools.terminal.writing import NotWritable
+
+    try:
+        return log.open("w", encoding="utf-8", buffering=1)
+    except OSError as error:
+        raise NotWritable(log, error.strerror) from None
 
 
 def _check_free(bus: can.BusABC, spec: CanSpec, interface: str, channel: str, robot: str) -> None:

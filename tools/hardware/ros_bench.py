@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -46,16 +47,15 @@ def serve_topics(options: RosBenchOptions) -> None:
 
     planned = tuple(map(TopicFault.read, options.faults))
     spec, inner = _simulated(options)
-    if spec.ros2 is None:
-        inner.close()
-        raise NoTopics()
-    try:
+    with ExitStack() as parts:  # closed here unless the bench owns them
+        parts.callback(inner.close)
+        if spec.ros2 is None:
+            raise NoTopics()
         differences = RobotDifferences.read(options.wrong, spec, spec.ros2)
-    except BaseException:
-        inner.close()
-        raise
-    link = RosLink(node_name("bench"), spec.ros2.namespace, spec.ros2.domain)
-    bench = RosBench(spec, spec.ros2, inner, link, BenchFaults(spec.period_s, planned), differences)
+        link = RosLink(node_name("bench"), spec.ros2.namespace, spec.ros2.domain)
+        parts.callback(link.close)
+        bench = RosBench(spec, spec.ros2, inner, link, BenchFaults(spec.period_s, planned), differences)
+        parts.pop_all()
     over = AskedToEnd()
     begun = due = time.monotonic()
     print(f"topics of {spec.ros2.namespace or '/'}, simulated by {options.backend}; Ctrl-C ends", flush=True)

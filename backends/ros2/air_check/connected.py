@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
 from handcart.backends.backend import Backend
 from handcart.backends.description.robot_file import RobotFile
@@ -36,11 +36,11 @@ def connected(
         NoRos: rclpy is not installed.
     """
     if inner is not None and robot is not None:
-        local = LocalBench(robot, spec, inner, differences=differences)
-        try:
+        with ExitStack() as parts:
+            parts.callback(inner.close)
+            local = LocalBench(robot, spec, inner, differences=differences)
+            parts.callback(local.close)
             yield local.link, local.step
-        finally:
-            local.close()
         return
     link = RosLink(node_name("check"), spec.namespace, spec.domain)
     try:

@@ -13,6 +13,7 @@ import pytest
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.tools.hardware.bench import AT_THE_PROGRAM
 from tests.tools.conftest import Said
@@ -88,6 +89,7 @@ def test_faults_are_listed(handcart: Callable[..., Said]) -> None:
         (("--fault", "bus-off@1"), "happens at the program's own interface"),
         (("--fault", "fault@soon"), "allowed: NAME@SECONDS or NAME@SECONDS@NODE"),
         (("--interface", "udp_multicast", "--channel", "10.0.0.1"), "no CAN on udp_multicast 10.0.0.1"),
+        (("--log", "nowhere/log.csv"), "nowhere/log.csv can't be written: No such file or directory"),
         (("--range-port", "7000"), "--range-port without a simulated lidar; needed: --backend kinematic"),
     ],
 )
@@ -95,3 +97,12 @@ def test_bad_input(handcart: Callable[..., Said], words: tuple[str, ...], messag
     said = handcart("bench", "cart", "--channel", CHANNEL, *words)
     assert said.status == 2
     assert message in said.err
+
+
+def test_simulated_robot_is_closed_after_an_error(
+    handcart: Callable[..., Said], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    closed = list[KinematicBackend]()
+    monkeypatch.setattr(KinematicBackend, "close", lambda self: closed.append(self))
+    said = handcart("bench", "cart", "--backend", "kinematic", "--channel", "10.0.0.1")
+    assert (said.status, len(closed)) == (2, 1)
