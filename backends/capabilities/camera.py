@@ -62,10 +62,13 @@ class Camera(AnyCamera):
 
 
 def camera_of_kind(capabilities: Iterable[Capability], kind: type[CapabilityT]) -> CapabilityT | None:
-    """Return the camera of a kind that is on the hand; of `AnyCamera`, the first other one if none is."""
+    """Return the camera of a kind that is on the hand; of `AnyCamera`, the first other one if none is.
+
+    None if there is no such camera.
+    """
     cameras = [capability for capability in capabilities if isinstance(capability, kind)]
     on_hand = next((camera for camera in cameras if getattr(camera, "carrier", "") == HAND_LINK), None)
-    return cameras[0] if on_hand is None and kind is AnyCamera else on_hand
+    return next(iter(cameras), None) if on_hand is None and kind is AnyCamera else on_hand
 
 
 def usable_kinds(capabilities: Iterable[Capability]) -> list[type[Capability]]:

@@ -15,6 +15,7 @@ from handcart.backends.capabilities.camera import AnyCamera, Camera, CapabilityT
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.imu import Imu
+from handcart.backends.capabilities.missing_capability import MissingCapability
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.ground_spec import OUTDOOR_LOCALIZERS
 from handcart.backends.description.robot_file import RobotFile
@@ -38,7 +39,7 @@ from .fresh_pictures import FreshPictures, Photo
 from .guarded_base import GuardedBase, steady_points
 from .localization.localizations import localization_of
 from .progress_watch import ProgressWatch
-from .robot_errors import MissingCapability, MissingSensor, NoSidewaysDrive, UnknownStart
+from .robot_errors import MissingSensor, NoSidewaysDrive, UnknownStart
 from .seen_people import SeenPeople
 from .unseen_ground import UnseenGround
 
@@ -113,8 +114,6 @@ class Robot:
         """Obstacle for which the base was held back in the last period; None without one."""
         self.failed_from: Pose2 | None = None
         """map_T_base where the first of several Fails in a row began; None after any other outcome."""
-        if spec.localizer in OUTDOOR_LOCALIZERS:
-            self.get(Imu)  # type: ignore[type-abstract]
         where = Pose2(0.0, 0.0, 0.0) if start is None else start
         self.localization = localization_of(backend, spec, where, grid, self.lidar, is_start_exact)
         """Estimate of the base's pose, from the sensors that the robot has."""
@@ -151,7 +150,7 @@ class Robot:
         if isinstance(found, Camera):
             found = camera_of_kind(self.backend.capabilities(), kind)
         if found is None:
-            raise MissingCapability(kind, self.backend)
+            raise MissingCapability(kind, self.backend.capabilities())
         return found
 
     def sensor(self, name: str) -> Capability:
@@ -211,7 +210,7 @@ class Robot:
     def arm_model(self) -> ArmModel:
         """Kinematics of the arm, from the URDF; its tip is the frame `hand`."""
         if self.spec.arm is None:
-            raise MissingCapability(Arm, self.backend)
+            raise MissingCapability(Arm, self.backend.capabilities())
         return self.spec.arm_model()
 
     @cached_property

@@ -1,7 +1,6 @@
-"""Errors of a robot: missing capabilities, and readings that are not new.
+"""Errors of a robot: missing sensors, and readings that are not new.
 
 HandcartError
-├── MissingCapability (ValueError)
 ├── MissingSensor (ValueError)
 ├── NoSidewaysDrive (ValueError)
 ├── UnknownStart (ValueError)
@@ -11,20 +10,9 @@ HandcartError
 from __future__ import annotations
 
 from handcart.backends.backend import Backend
-from handcart.backends.capabilities.capability import Capability
 from handcart.backends.description.robot_file import RobotFile
 from handcart.files.errors import HandcartError
 from handcart.files.suggest import suggest
-
-
-class MissingCapability(HandcartError, ValueError):
-    """Error: the robot lacks a capability that is asked for."""
-
-    exit_status = 2
-
-    def __init__(self, kind: type[Capability], robot: Backend) -> None:
-        have = ", ".join(sorted(_name(type(capability)) for capability in robot.capabilities()))
-        super().__init__(f"the robot has no {kind.__name__}; it has: {have}")
 
 
 class MissingSensor(HandcartError, ValueError):
@@ -59,7 +47,3 @@ class UnknownStart(HandcartError, ValueError):
 
 class StaleReading(HandcartError, RuntimeError):
     """Error: a sensor delivers an old reading as a new one."""
-
-
-def _name(kind: type) -> str:
-    return next(item.__name__ for item in kind.__mro__ if Capability in item.__bases__)

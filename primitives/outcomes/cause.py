@@ -7,7 +7,8 @@ from traceback import walk_tb
 from types import FrameType
 
 from handcart.backends.backend import CommandError, RobotFault
-from handcart.backends.robot.robot_errors import MissingCapability, MissingSensor, StaleReading
+from handcart.backends.capabilities.missing_capability import MissingCapability
+from handcart.backends.robot.robot_errors import MissingSensor, StaleReading
 
 from . import causes
 from .cause_kind import CauseKind

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from handcart.backends.description.can_spec import VIRTUAL_INTERFACE
+from handcart.backends.description.ground_spec import OUTDOOR_LOCALIZERS
 from handcart.files.suggest import suggest
 
 from .cyclic_frames import bus_load
@@ -26,7 +27,7 @@ def can_findings(robot: RobotFile, document: Document) -> list[Finding]:
     if spec is None:
         return []
     own = (
-        *(_interface(spec), _load(robot, spec), _nodes(spec), _held(spec)),
+        *(_interface(spec), _load(robot, spec), _nodes(spec), _held(spec), _gyros(robot, spec)),
         *(_counts(robot, spec), _periods(robot, spec), _files(robot, spec)),
     )
     found = [document.finding(("can", *place), words) for item in own for place, words in item]
@@ -42,6 +43,20 @@ def _interface(spec: CanSpec) -> Iterator[tuple[Place, str]]:
     if spec.interface not in VALID_INTERFACES:
         allowed = suggest(spec.interface, VALID_INTERFACES)
         yield ("interface",), f"unknown interface {spec.interface!r}{allowed}"
+
+
+def _gyros(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
+    """Yield a finding if the localizer asks the gyros, and no IMU is connected to the real robot."""
+    if (
+        robot.localizer in OUTDOOR_LOCALIZERS
+        and spec.sensors.imu is None
+        and spec.interface != VIRTUAL_INTERFACE
+    ):
+        words = f"`localizer: {robot.localizer}` asks the gyros, and no IMU is connected"
+        yield (
+            ("sensors",),
+            f"{words}; needed: the key `imu` of `can.sensors`, or the localizer scan or odometry",
+        )
 
 
 def _held(spec: CanSpec) -> Iterator[tuple[Place, str]]:

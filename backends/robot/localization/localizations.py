@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from handcart.backends.backend import Backend
+from handcart.backends.capabilities.imu import Imu
+from handcart.backends.capabilities.missing_capability import MissingCapability
 from handcart.backends.capabilities.positioning import Positioning
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.ground_spec import OUTDOOR_LOCALIZERS
@@ -49,7 +51,13 @@ def localization_of(
         grid: map that scans are compared with; None without one.
         lidar: lidar whose scans are compared with the map; None without one.
         is_start_exact: whether the start defines the frame, because a map is missing.
+
+    Raises:
+        MissingCapability: the backend has no IMU, which an outdoor localization needs.
     """
+    if spec.localizer in OUTDOOR_LOCALIZERS and backend.get(Imu) is None:  # type: ignore[type-abstract]
+        needed_by = f"`localizer: {spec.localizer}` in the robot's file"
+        raise MissingCapability(Imu, backend.capabilities(), needed_by)
     known = EXACT_START if is_start_exact else START_SIGMA
     tread, positioning, errors = spec.drive.tread_m, spec.positioning, odometry_errors(spec)
     if spec.localizer == "positioning" and positioning and backend.get(Positioning):  # type: ignore[type-abstract]

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 from handcart.backends.capabilities.base import Base, WheelTravel
+from handcart.backends.capabilities.camera import AnyCamera, camera_of_kind
+from handcart.backends.capabilities.missing_capability import MissingCapability
 from handcart.backends.description.range_spec import RangeSpec
 from handcart.backends.robot.robot import Robot
-from handcart.backends.robot.robot_errors import MissingCapability, StaleReading
+from handcart.backends.robot.robot_errors import StaleReading
 from handcart.evaluation.judging.survey import simulated_world
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.robotics.geometry.pose2 import Pose2
@@ -194,6 +196,9 @@ def test_what_it_cannot_do_is_said_with_what_it_can(make_stage: Callable[..., Ri
     assert found.value.exit_status == 2
     with pytest.raises(MissingCapability, match="no Arm"):
         _ = cart.arm_model
+    assert camera_of_kind(cart.backend.capabilities(), AnyCamera) is None
+    with pytest.raises(MissingCapability, match="no AnyCamera"):
+        _ = cart.view_camera
 
 
 def test_inertial_sensors_tell_how_it_turned(make_stage: Callable[..., Rig]) -> None:

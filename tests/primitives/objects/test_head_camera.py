@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from handcart.backends.capabilities.missing_capability import MissingCapability
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.robot.robot import Robot
-from handcart.backends.robot.robot_errors import MissingCapability
 from handcart.evaluation.trials.rig import Rig
 from handcart.files.errors import FileError
 from handcart.networks.task.task_file import load_task

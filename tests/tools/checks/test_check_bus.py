@@ -12,6 +12,8 @@ import pytest
 from tests.tools.conftest import Said
 
 CART = Path(__file__).resolve().parents[3] / "backends" / "robots" / "cart"
+IMU_LINK = """<link name="imu"/><joint name="imu_mount" type="fixed"><parent link="base"/><child link="imu"/>
+</joint></robot>"""
 
 
 @pytest.fixture
@@ -54,6 +56,21 @@ def test_c19_an_overloaded_bus_is_refused(handcart: Callable[..., Said], cart: C
     )
     wrong = "cyclic frames take 100% of the bus at this bit rate and 0.05 s a period; allowed: at most 70%"
     assert said.err.strip() == f"{path}:{line}:19: {wrong}"
+
+
+def test_localizer_by_gyros_without_a_connected_imu_is_refused(
+    handcart: Callable[..., Said], cart: Callable[..., Path]
+) -> None:
+    path = cart(interface="socketcan")
+    urdf, text = path.parent / "cart.urdf", path.read_text(encoding="utf-8")
+    urdf.write_text(urdf.read_text(encoding="utf-8").replace("</robot>", IMU_LINK), encoding="utf-8")
+    imu = "ground: {}\nimu: {accelerometer_sigma_m_s2: 0.05, angle_random_walk_deg_rt_s: 0.02}\n"
+    path.write_text(text.replace("localizer: scan", "localizer: gyro") + imu, encoding="utf-8")
+    said = handcart("check", path)
+    assert said.status == 2
+    assert "`localizer: gyro` asks the gyros, and no IMU is connected; needed: the key `imu` of" in said.err
+    path.write_text(path.read_text(encoding="utf-8").replace("socketcan", "virtual"), encoding="utf-8")
+    assert handcart("check", path).status == 0
 
 
 @pytest.mark.parametrize("words", [("check",), ("run", "--dry-run")])

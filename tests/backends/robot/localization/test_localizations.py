@@ -12,6 +12,7 @@ from handcart.backends.capabilities.base import DriveCommand, WheelTravel
 from handcart.backends.capabilities.beacons import BeaconRanges
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.gps import Fix
+from handcart.backends.capabilities.missing_capability import MissingCapability
 from handcart.backends.capabilities.positioning import PoseReading
 from handcart.backends.robot.localization.outdoor_localization import OutdoorLocalization
 from handcart.backends.robot.localization.pose_covariance import repeatability_of, worst_sigmas
@@ -299,6 +300,12 @@ def test_a_base_was_moved_only_if_it_stood_when_measured(standing: int, moved: i
     assert found.pose.distance(elsewhere) < 0.01
     assert found.displacements == moved
     assert found.still == (0 if moved else 2)
+
+
+def test_outdoor_localizer_without_gyros_is_refused_in_words() -> None:
+    words = "the robot has no Imu, which `localizer: gyro` in the robot's file needs; it has: Base"
+    with pytest.raises(MissingCapability, match=words):
+        made("el_verde", "gyro", Wheels())
 
 
 @pytest.mark.parametrize("localizer", ["scan", "odometry"])
