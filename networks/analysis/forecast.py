@@ -9,7 +9,7 @@ from itertools import accumulate
 
 from handcart.networks.chains.effort import Effort, TooMuch
 from handcart.networks.chains.ends import AT_GOAL, Ends
-from handcart.networks.chains.policy import State, TooLarge, budget_of, explored, likely_policy
+from handcart.networks.chains.policy import Policy, State, TooLarge, budget_of, explored, likely_policy
 from handcart.networks.chains.policy_chain import Chain, Chances, policy_chain
 from handcart.networks.chains.rule_flow import RuleFlow, can_flow
 from handcart.networks.chains.stage import Stage
@@ -20,6 +20,8 @@ IMPOSSIBLE_SHARE = 0.05
 """Share of the budget for states that only Fails of probability 0 lead to; slopes need them."""
 LIKELY_SHARE = 0.3
 """Share of the remaining budget for likely states, if a `RuleFlow` follows many more of them afterwards."""
+TRIAL_SHARE = 0.1
+"""Share of a search's budget that is tried before its states are counted."""
 STAGE_STEPS = 20
 """Steps of effort for a stage whose chain is known already."""
 Change = Callable[[Stage, Collection[int]], Stage]
@@ -187,14 +189,42 @@ def _solved(network: ActionNetwork, chances: Chances, effort: Effort, partly: bo
         TooLarge: the budget does not suffice, and `partly` does not allow a chain of likely states only.
     """
     certain = any(chance is not None and chance.fail <= 1e-12 for chance in chances)
-    found = explored(network, effort=effort.part(IMPOSSIBLE_SHARE) if certain else effort.half())
+    share = effort.part(IMPOSSIBLE_SHARE) if certain else effort.half()
+    found = _explored(network, chances, share, impossible=True)
     if not found.is_complete and certain:
-        found = explored(network, effort=effort.half(), chances=chances)
+        found = _explored(network, chances, effort.half(), impossible=False)
     if not found.is_complete:
         if not partly:
             raise TooLarge(network, len(found.steps))
         return _likely(network, chances, effort, found.start)
     return policy_chain(found, chances)
+
+
+def _explored(network: ActionNetwork, chances: Chances, effort: Effort, impossible: bool) -> Policy:
+    """Return the decisions in all states that runs can reach; with fewer states where the budget does not
+    suffice.
+
+    A flow counts the states many times faster than their decisions are made, so that a search that cannot
+    succeed is not begun.
+
+    Args:
+        network: the network.
+        chances: outcome probabilities of each action; None for a skip.
+        effort: budget; a search that is left out spends it, too.
+        impossible: whether to include states that only Fails of probability 0 lead to.
+    """
+    needed = None if impossible else chances
+    trial = Effort(TRIAL_SHARE * effort.left)
+    found = explored(network, effort=trial, chances=needed)
+    if found.is_complete:
+        effort.spend(trial.spent)
+        return found
+    if can_flow(network):
+        steps = RuleFlow(network, chances, Effort(math.inf)).least_steps(found.start, effort.left)
+        if steps > effort.left:
+            effort.spend(math.floor(effort.left))
+            return found
+    return explored(network, effort=effort, chances=needed)
 
 
 def _likely(network: ActionNetwork, chances: Chances, effort: Effort, start: State) -> Chain:

@@ -71,7 +71,7 @@ class _Walks:
         if rows.start < 0:
             return
         if id(rows) not in self._known:
-            self._known[id(rows)] = (*_outcomes(rows), np.array(rows.cost))
+            self._known[id(rows)] = (*_outcomes(rows), rows.cost)
         limits, nexts, cost = self._known[id(rows)]
         walks = np.flatnonzero(self._goes_on)
         at = np.full(walks.size, rows.start)
@@ -93,17 +93,18 @@ def _outcomes(rows: ChainRows) -> tuple[FloatArray, NDArray[np.int64]]:
         Limits (k,), ascending, of which the first above a random number in [row, row + 1) is chosen; and the
             row (k,) that follows by each, or a negative code of an end.
     """
-    after = {ChainEnd.GOAL: _GOAL, ChainEnd.UNKNOWN: _LOST}
-    links = [(link.row, link.to, link.p) for link in (*rows.succeeds, *rows.fails, *rows.skips)]
-    links += [(row, after.get(end, _ENDED), p) for row, end, p, _ in rows.ends]
-    links += [(row, _GOAL, 1.0) for row in rows.skipped_to_goal]
-    links.sort()
-    row = np.array([link[0] for link in links])
-    p = np.array([link[2] for link in links])
+    after = np.full(len(ChainEnd), _ENDED, np.int64)
+    after[[ChainEnd.GOAL, ChainEnd.UNKNOWN]] = _GOAL, _LOST
+    links, ends, skipped = rows.succeeds.joined(rows.fails, rows.skips), rows.ends, rows.skipped_to_goal
+    row = np.concatenate((links.row, ends.row, skipped))
+    to = np.concatenate((links.to, after[ends.end], np.full(len(skipped), _GOAL, np.int64)))
+    p = np.concatenate((links.p, ends.p, np.ones(len(skipped))))
+    order = np.lexsort((p, to, row))
+    row, to, p = row[order], to[order], p[order]
     total = np.cumsum(p)
     first = np.searchsorted(row, np.arange(len(rows.action)))
     before = np.concatenate(([0.0], total))[first]
-    limits = row + np.minimum(total - before[row], 1.0)
+    limits = np.asarray(row + np.minimum(total - before[row], 1.0), np.float64)
     last = np.append(row[1:] != row[:-1], True)
     limits[last] = row[last] + 1.0
-    return limits, np.array([link[1] for link in links])
+    return limits, to

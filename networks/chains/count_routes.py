@@ -98,15 +98,22 @@ class RouteFinder:
     def _search(self, counts: Uint16Array, ways: Sequence[_Way]) -> CountRoutes:
         size = len(self._place), len(counts)
         weights = [self._weight[a][counts[:, column]] for a, column in enumerate(self._column)]
-        weight = [np.minimum.reduce([weights[a] for a in way.actions]) for way in ways]
+        weight = [
+            weights[way.actions[0]]
+            if len(way.actions) == 1
+            else np.minimum.reduce([weights[a] for a in way.actions])
+            for way in ways
+        ]
         fails, cost = np.full(size, np.inf), np.full(size, np.inf)
         fails[self._goal] = cost[self._goal] = 0.0
-        while True:
-            before = fails.copy(), cost.copy()
+        plain = not any(way.fails for way in ways)
+        better = True
+        while better:
+            better = False
             for way, own in zip(ways, weight, strict=True):
-                _relax(fails, cost, way, own)
-            if np.array_equal(before[0], fails) and np.array_equal(before[1], cost):
-                break
+                better |= _shorten(cost, way, own) if plain else _relax(fails, cost, way, own)
+        if plain:
+            fails = np.where(cost < math.inf, 0.0, math.inf)
         action, count = np.full(size, NO_ACTION), np.zeros(size, np.int64)
         needs = np.zeros(size, bool)
         for way, own in reversed(list(zip(ways, weight, strict=True))):
@@ -123,15 +130,29 @@ class RouteFinder:
         return CountRoutes(action, count > 1, needs)
 
 
-def _relax(fails: FloatArray, cost: FloatArray, way: _Way, weight: FloatArray) -> None:
+def _shorten(cost: FloatArray, way: _Way, weight: FloatArray) -> bool:
+    """Improve the costs (situations, n) by a way with weights (n,); return whether any became less."""
+    come, known = cost[way.target] + weight, cost[way.source]
+    better = bool((come < known).any())
+    if better:
+        np.minimum(known, come, out=known)
+    return better
+
+
+def _relax(fails: FloatArray, cost: FloatArray, way: _Way, weight: FloatArray) -> bool:
     """Improve the routes (situations, n) by an action or Fail with its weights (n,); fewer Fails come
     first.
+
+    Returns:
+        Whether any became better.
     """
     come = cost[way.target] + weight
     there = np.where(come < math.inf, fails[way.target] + way.fails, math.inf)
     better = (there < fails[way.source]) | ((there == fails[way.source]) & (come < cost[way.source]))
-    if better.any():
+    found = bool(better.any())
+    if found:
         fails[way.source][better], cost[way.source][better] = there[better], come[better]
+    return found
 
 
 def _weights(cost_s: float, attempts: int, is_skip: bool) -> FloatArray:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from scipy.sparse import csc_array, eye_array
 
 from handcart.robotics.numerics.arrays import FloatArray
+
+from .chain_rows import ChainLinks
 
 DENSE_MAX_ROWS = 100
 """Rows up to which a full matrix is faster than a sparse one."""
@@ -16,17 +16,16 @@ DENSE_MAX_ROWS = 100
 class LinearSolver:
     """Solver of (I - Q) x = b and of its transposed, with Q the transitions among transient states."""
 
-    def __init__(self, size: int, links: Sequence[tuple[int, int, float]], circles: bool) -> None:
+    def __init__(self, size: int, links: ChainLinks, circles: bool) -> None:
         """Factorize the matrix I - Q.
 
         Args:
             size: number of rows.
-            links: for each transition its row, the row that follows, and the probability.
+            links: the transitions.
             circles: whether rows may follow each other in circles; otherwise what follows a row has a smaller
                 number.
         """
-        rows, to, p = zip(*links, strict=True) if links else ((), (), ())
-        follows = csc_array((p, (rows, to)), shape=(size, size))
+        follows = csc_array((links.p, (links.row, links.to)), shape=(size, size))
         self._inverse: FloatArray | None = None
         if size <= DENSE_MAX_ROWS:
             self._inverse = np.linalg.inv(np.eye(size) - follows.toarray())

@@ -136,24 +136,25 @@ class _Visit:
         self._goal, self._steps = network.goal, steps
 
     def all_from(self, start: State, decide: Callable[[State], Step | None]) -> None:
-        made, steps, active = self.made, self._steps, set[State]()
-        ahead = [] if start.situation == self._goal else [start]
+        made, steps, active, left_out = self.made, self._steps, set[State](), self.left_out
+        goal, ahead = self._goal, [start] if start.situation != self._goal else []
         while ahead:
             state = ahead[-1]
-            if state in made:
+            if (known := made.get(state)) is not None:
                 ahead.pop()
                 active.discard(state)
-                steps.setdefault(state, made[state])
+                steps.setdefault(state, known)
                 continue
             step = decide(state)
             if step is None:
-                self.left_out.add(ahead.pop())
+                left_out.add(ahead.pop())
                 continue
             made[state] = step
             active.add(state)
             for item in step.following():
-                self.circles |= item in active
-                if item.situation != self._goal and item not in made and item not in self.left_out:
+                if item in made:
+                    self.circles = self.circles or item in active
+                elif item.situation != goal and item not in left_out:
                     ahead.append(item)
 
 

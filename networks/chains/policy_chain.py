@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse import csr_array
 
-from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
-from .chain_rows import ChainEnd, ChainLink, ChainRows
+from .chain_rows import ChainEnd, ChainLinks, ChainRows
 from .ends import AT_GOAL, Ends
 from .linear_solver import LinearSolver
 from .moments import Moments
@@ -71,34 +71,37 @@ class _Solution:
     def __init__(self, rows: ChainRows, policy: Policy) -> None:
         self._rows, self._size, circles = rows, len(rows.action), policy.circles
         self._situations = len(policy.network.situations)
-        links = [*rows.succeeds, *rows.fails]
-        lost = _endless(rows, [*links, *rows.skips]) if circles else set[int]()
-        self._lost = sorted(lost)
-        keep = [link for link in links if link.row not in lost]
-        skips = [link for link in rows.skips if link.row not in lost]
+        links = rows.succeeds.joined(rows.fails)
+        self._lost = _endless(rows, links.joined(rows.skips)) if circles else np.zeros(0, np.int64)
+        """(n,) rows from which no end is ever reached."""
+        keep = links.without(self._lost) if len(self._lost) else links
         self._plain = LinearSolver(self._size, keep, circles)
         """Without skips: runs that leave nothing undone."""
-        self._every = LinearSolver(self._size, [*keep, *skips], circles) if rows.skips else self._plain
+        self._every = self._plain
+        if len(rows.skips.row):
+            every = keep.joined(rows.skips.without(self._lost))
+            self._every = LinearSolver(self._size, every, circles)
 
     def chain(self, count: int) -> Chain:
         rows = self._rows
         ends = self._moments(self._every, self._into(skips=True))
-        complete = self._moments(self._plain, self._into(skips=False)[:, :1])
+        complete = ends[:, :1]
+        if rows.has_skips:
+            complete = self._moments(self._plain, self._into(skips=False)[:, :1])
         at = [Moments(*map(float, swapax[rows.start])) for swapax in (complete[:, 0], *ends.swapaxes(0, 1))]
         skipped = Moments(*(max(0.0, a - b) for a, b in zip(at[1], at[0], strict=True)))
-        has_skips = bool(rows.skips or rows.skipped_to_goal)
-        known = Ends(at[0], skipped if has_skips else Moments(0.0), at[2], at[3], at[4])
+        known = Ends(at[0], skipped if rows.has_skips else Moments(0.0), at[2], at[3], at[4])
         begins = np.zeros(self._size)
         begins[rows.start] = 1.0
         visits = self._every.solve(begins, True)
         starts = self._by_action(count, visits)
         slopes = self._by_action(count, self._plain.solve(begins, True) * self._gain(complete[:, 0, 0]))
-        skips = [*(link.row for link in rows.skips), *rows.skipped_to_goal]
+        skips = np.concatenate((rows.skips.row, rows.skipped_to_goal))
         return Chain(known, starts, slopes, rows, self._ended(visits), float(visits[skips].sum()))
 
     def values(self) -> list[tuple[float, float]]:
         """Return for each row the probability of the goal without skips, and the expected cost in [s]."""
-        cost = np.array(self._rows.cost)[:, None]
+        cost = self._rows.cost[:, None]
         complete = self._plain.solve(self._into(skips=False)[:, :1])
         first = self._every.solve(cost * self._every.solve(self._into(skips=True)))
         return list(zip(map(float, complete[:, 0]), map(float, first.sum(axis=1)), strict=True))
@@ -112,18 +115,16 @@ class _Solution:
         return found
 
     def _by_action(self, count: int, values: FloatArray) -> tuple[float, ...]:
-        found, actions = np.zeros(count), np.array(self._rows.action)
+        actions = self._rows.action
         acts = actions >= 0
-        np.add.at(found, actions[acts], values[acts])
-        return tuple(map(float, found))
+        return tuple(np.bincount(actions[acts], values[acts], count).tolist())
 
     def _into(self, skips: bool) -> FloatArray:
         """Return the probabilities (rows, ends) that a run ends right after each row; `skips` adds skips that
         reach the goal.
         """
-        into = np.zeros((self._size, len(ChainEnd)))
-        for row, end, p, _ in self._rows.ends:
-            into[row, end] += p
+        into, ends = np.zeros((self._size, len(ChainEnd))), self._rows.ends
+        np.add.at(into, (ends.row, ends.end), ends.p)
         into[self._lost] = 0.0
         into[self._lost, ChainEnd.NO_WAY] = 1.0
         if skips:
@@ -138,7 +139,7 @@ class _Solution:
             solver: solver of the chain's equations.
             into: (rows, ends) probabilities that a run ends right after each row.
         """
-        cost = np.array(self._rows.cost)[:, None]
+        cost = self._rows.cost[:, None]
         p = solver.solve(into)
         first = solver.solve(cost * p)
         # With C' what is left after this step: (c + C')² = 2 c (c + C') - c² + C'².
@@ -149,45 +150,35 @@ class _Solution:
         """Return by how much P(goal) after a Success exceeds that after a Fail, (rows,); `goal` (rows,) is
         P(goal) from each row.
         """
-        gain = np.zeros(self._size)
-        success = np.zeros(self._size)
-        for row, to, p in self._rows.succeeds:
-            gain[row] += p * goal[to]
-            success[row] += p
-        for row, end, p, failed in self._rows.ends:
-            if end in (ChainEnd.GOAL, ChainEnd.UNKNOWN) and not failed:
-                gain[row] += p * (end == ChainEnd.GOAL)
-                success[row] += p
-        gain /= np.maximum(success, 1e-300)
-        return gain - self._after_fail(goal)
+        size, links, ends = self._size, self._rows.succeeds, self._rows.ends
+        known = ((ends.end == ChainEnd.GOAL) | (ends.end == ChainEnd.UNKNOWN)) & ~ends.failed
+        row, p = np.append(links.row, ends.row[known]), np.append(links.p, ends.p[known])
+        value = np.append(goal[links.to], ends.end[known] == ChainEnd.GOAL)
+        success = np.bincount(row, p, size)
+        return np.bincount(row, p * value, size) / np.maximum(success, 1e-300) - self._after_fail(goal)
 
     def _after_fail(self, goal: FloatArray) -> FloatArray:
         """Return P(goal) after a Fail of each row, (rows,); `goal` (rows,) is P(goal) from each row.
 
         It is the mean over the causes of the Fail, unweighted if all have p = 0.
         """
-        links = [(row, p, float(goal[to])) for row, to, p in self._rows.fails]
-        links += [(row, p, float(end == ChainEnd.GOAL)) for row, end, p, failed in self._rows.ends if failed]
-        total, count, mean = np.zeros(self._size), np.zeros(self._size), np.zeros(self._size)
-        for row, p, _ in links:
-            total[row] += p
-            count[row] += 1
-        for row, p, value in links:
-            mean[row] += value * (p / total[row] if total[row] > 0.0 else 1.0 / count[row])
-        return mean
+        size, links, ends = self._size, self._rows.fails, self._rows.ends
+        row = np.append(links.row, ends.row[ends.failed])
+        p = np.append(links.p, ends.p[ends.failed])
+        value = np.append(goal[links.to], ends.end[ends.failed] == ChainEnd.GOAL)
+        never = np.bincount(row, p, size)[row] <= 0.0
+        weight = np.where(never, 1.0, p)
+        total = np.bincount(row, weight, size)
+        return np.asarray(np.bincount(row, value * (weight / total[row]), size))
 
 
-def _endless(rows: ChainRows, links: Sequence[ChainLink]) -> set[int]:
-    """Return the rows from which no end is ever reached: the run then ends at its bound."""
-    before: dict[int, list[int]] = {}
-    for row, to, p in links:
-        if p > 0.0:
-            before.setdefault(to, []).append(row)
-    ahead = [row for row, _, p, _ in rows.ends if p > 0.0] + rows.skipped_to_goal
-    reached = set(ahead)
-    while ahead:
-        for row in before.get(ahead.pop(), ()):
-            if row not in reached:
-                reached.add(row)
-                ahead.append(row)
-    return set(range(len(rows.action))) - reached
+def _endless(rows: ChainRows, links: ChainLinks) -> IntArray:
+    """Return the rows (n,) from which no end is ever reached: the run then ends at its bound."""
+    from scipy.sparse.csgraph import breadth_first_order  # late: most networks have no circles
+
+    size, happens, ends = len(rows.action), links.p > 0.0, rows.ends
+    last = np.concatenate((ends.row[ends.p > 0.0], rows.skipped_to_goal))
+    source = np.append(links.to[happens], np.full(len(last), size))
+    before = csr_array((np.ones(len(source)), (source, np.append(links.row[happens], last))), [size + 1] * 2)
+    reached = breadth_first_order(before, size, return_predecessors=False)
+    return np.setdiff1d(np.arange(size), reached)

@@ -36,6 +36,8 @@ class RouteWalk:
         self.ends = np.zeros((len(network.situations), len(ChainEnd), 6 if self._is_skip.any() else 3))
         """(situations, ends, 3 or 6) moments of the runs that ended, by `ChainEnd`, as in `FlowStates`."""
         self.starts, self.skips = np.zeros(len(network.actions)), 0.0
+        self.stuck = self.stuck_fails = 0
+        """Number of states from which no route led on, and number of actions that had failed in them."""
 
     def _prepare(self, network: ActionNetwork, chances: Chances) -> None:
         place = self._codes.place
@@ -86,6 +88,8 @@ class RouteWalk:
             action, is_tied = routes.action[place, tree], routes.is_tied[place, tree]
             ended = action == NO_ACTION
             self._end(place[ended], ChainEnd.NO_WAY, mass[ended])
+            self.stuck += int(np.count_nonzero(ended))
+            self.stuck_fails += int(np.count_nonzero(counts[tree[ended]]))
             for number in np.flatnonzero(is_tied & ~ended).tolist():
                 yield from self._singly(counts[tree[number]], int(place[number]), mass[number])
             going = np.flatnonzero(~(is_tied | ended))
@@ -159,6 +163,8 @@ class RouteWalk:
                 return
             if step.action is None:
                 self._end(here, ChainEnd.NO_WAY, flow)
+                self.stuck += 1
+                self.stuck_fails += int(np.count_nonzero(counts))
                 return
             action, counter, after = np.array([step.action.index]), step.action.counter, step.succeeded[0]
             flow = yield from self._attempted(every, here, action, flow)
@@ -171,7 +177,8 @@ class RouteWalk:
 
     def _end(self, place: IntArray, end: ChainEnd, mass: FloatArray) -> None:
         if len(place):
-            np.add.at(self.ends[:, end], place, mass)
+            for moment, values in enumerate(mass.T):
+                self.ends[:, end, moment] += np.bincount(place, values, len(self.ends))
 
 
 def _later(mass: FloatArray, cost: FloatArray) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -21,11 +22,21 @@ from .step_maker import State, StepMaker
 MAX_OPEN = 1e-4
 """Default of the total probability of states not followed yet, below which a flow ends."""
 FIRST_LEAST, LEAST_FACTOR = 1e-5, 0.25
-"""Least probability of a state that is followed: in the first pass, and its factor from pass to pass."""
+"""Least probability of a state that is followed in the first pass, and its factor in the second."""
+MIN_LEAST_FACTOR = 1e-3
+"""Smallest factor of the least probability from one pass to the next."""
+LAST_FACTOR = 0.7
+"""Largest factor of the least probability from one pass to the next."""
+NEAR_FACTOR = 1.0 / 16.0
+"""Predicted factor of the last pass above which it is not divided into two."""
 MAX_WAYS = 300
 """Maximum number of a network's actions for which all routes are computed at once."""
 MAX_BATCH_STATES = 20_000
 """Maximum number of states that are followed at once."""
+DECISION_STEPS = 12.0
+"""Least effort of a `StepMaker` for a state with a route, besides one step for each action that failed."""
+NO_WAY_STEPS = 7.0
+"""Steps that a state without a route may cost less."""
 BATCH_STEPS, STATE_STEPS, ROUTE_STEPS = 30.0, 0.3, 0.01
 """Effort of a batch, of each state in it, and of each action in the routes of each state."""
 
@@ -78,17 +89,47 @@ class RuleFlow:
             start: the state.
             max_open: total probability of states not followed yet, below which the flow ends.
         """
-        mass = np.zeros(self._walk.ends.shape[2])
-        mass[0] = 1.0
-        self._waiting[0] = self._codes.one(start, mass)
-        least = FIRST_LEAST
+        self._begin(start)
+        least, before, factor = FIRST_LEAST, 1.0, 1.0
         try:
-            while sum(states.p.sum() for states in self._waiting.values()) > max_open:
+            self._pass(least)
+            while (left := self._open()) > max_open:
+                factor = _least_factor(factor, left / before, max_open / left)
+                least, before = least * factor, left
                 self._pass(least)
-                least *= LEAST_FACTOR
         except TooMuch:
             pass  # the budget is spent: runs that come to the states that wait are not known
         return self._found()
+
+    def _begin(self, start: State) -> None:
+        mass = np.zeros(self._walk.ends.shape[2])
+        mass[0] = 1.0
+        self._waiting[0] = self._codes.one(start, mass)
+
+    def _open(self) -> float:
+        """Return the total probability of states that wait."""
+        return float(sum(states.p.sum() for states in self._waiting.values()))
+
+    def least_steps(self, start: State, most: float) -> float:
+        """Return a lower bound of the steps in which a `StepMaker` decides in all states that runs reach.
+
+        Args:
+            start: state in which the runs begin.
+            most: bound above which no more states are counted.
+        """
+        self._begin(start)
+        walk, seen, steps = self._walk, set[bytes](), 0.0
+        while self._waiting and steps - NO_WAY_STEPS * walk.stuck - walk.stuck_fails <= most:
+            level = min(self._waiting)
+            # Fails that no longer matter are forgotten, so that a state may come back with more of them.
+            states = self._waiting[level]
+            keys = [row.tobytes() for row in np.column_stack((states.place, states.counts))]
+            new = np.flatnonzero([key not in seen for key in keys])
+            seen.update(keys)
+            steps += DECISION_STEPS * len(new) + np.count_nonzero(states.counts[new])
+            self._waiting[level] = states.at(new)
+            self._follow(level, np.arange(len(new)))
+        return steps - NO_WAY_STEPS * walk.stuck - walk.stuck_fails
 
     def _pass(self, least: float) -> None:
         """Follow all states that are likely enough, the fewest Fails first."""
@@ -128,3 +169,21 @@ class RuleFlow:
         named = (total[ChainEnd.GOAL, :3], skipped, *both[1:])
         found = Ends(*(Moments(*map(float, item)) for item in named))
         return FlowResult(found, self._walk.starts, ends[:, :, ::3].sum(axis=2), self._walk.skips)
+
+
+def _least_factor(before: float, closed: float, needed: float) -> float:
+    """Return the factor of the least probability for the next pass.
+
+    The open probability is taken for a power of the least probability; a pass that would go far is divided in
+    two, because the power changes on the way.
+
+    Args:
+        before: factor of the last pass; 1 for the first.
+        closed: factor by which the last pass reduced the open probability.
+        needed: factor by which it is still to be reduced.
+    """
+    if before >= 1.0 or closed >= 1.0:
+        return LEAST_FACTOR
+    predicted = before ** (math.log(needed) / math.log(closed))
+    factor = predicted if predicted >= NEAR_FACTOR else math.sqrt(predicted)
+    return min(LAST_FACTOR, max(MIN_LEAST_FACTOR, factor))

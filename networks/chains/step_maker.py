@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bisect import insort
+from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
@@ -13,6 +13,8 @@ from handcart.networks.graph.plan_search import PlanSearch
 from .chance import Chance
 from .effort import Effort
 
+Fails = tuple[tuple[int, int], ...]
+"""Counters of Fails, ascending, each with its count, as in `Attempts`."""
 _NEVER = 1e-12
 """Probability below which a result counts as impossible, because sums of decimals are rounded."""
 
@@ -21,8 +23,8 @@ class State(NamedTuple):
     """State of a network in which a policy decides: a situation with the counted Fails."""
 
     situation: str
-    fails: tuple[tuple[int, int], ...]
-    """Counters of Fails that can still come up, each with its count, as in `Attempts`."""
+    fails: Fails
+    """Fails of actions that can still come up."""
     committed: tuple[int, ...] = ()
     """Actions that an earlier plan prescribes next; of several plans of the same cost one is followed.
 
@@ -48,7 +50,7 @@ class Step(NamedTuple):
 
     def following(self) -> Iterator[State]:
         """Yield the states that may follow this step."""
-        for item in (*self.succeeded, *self.all_failed, self.for_good):
+        for item in (*self.succeeded, self.failed, *self.failed_by, self.for_good):
             if item is not None:
                 yield item
 
@@ -87,20 +89,19 @@ class StepMaker:
         Raises:
             TooMuch: the budget is spent.
         """
-        fails = dict(state.fails)
         planned = state.committed
         if not planned:
-            segment = self._search.segment(state.situation, fails)
+            segment = self._search.segment(state.situation, dict(state.fails))
             self._effort.spend(5 + 2 * self._search.steps)
             if segment is None:
                 return Step(None)
-            planned = tuple(action.index for action in segment.actions)
+            planned = tuple([action.index for action in segment.actions])
             if segment.hopes:
                 planned = (*planned[:-1], ~planned[-1])
-        self._effort.spend(5 + len(fails))
-        return self._followed(planned, fails)
+        self._effort.spend(5 + len(state.fails))
+        return self._followed(planned, state.fails)
 
-    def _followed(self, planned: tuple[int, ...], fails: Mapping[int, int]) -> Step:
+    def _followed(self, planned: tuple[int, ...], fails: Fails) -> Step:
         index, hopes = (planned[0], False) if planned[0] >= 0 else (~planned[0], True)
         action = self._network.actions[index]
         chance = None if self._chances is None else self._chances[index]
@@ -122,84 +123,122 @@ class Aftermath:
             counter: sum({self._ahead.bit(action.source) for action in actions})
             for counter, actions in network.shared.items()
         }
+        parts: dict[int, dict[int, bool]] = {}
+        self._kept = {name: parts.setdefault(self._ahead.bits(name), {}) for name in network.situations}
+        """Answers of `matters` by counter, as far as they were asked for; situations of one strongly
+        connected component share theirs.
+        """
 
     def matters(self, situation: str, counter: int) -> bool:
         """Return whether an action whose Fails a counter counts can still follow in a situation."""
-        return bool(self._ahead.bits(situation) & self._bits[counter])
+        kept = self._kept[situation]
+        found = kept.get(counter)
+        if found is None:
+            found = kept[counter] = bool(self._ahead.bits(situation) & self._bits[counter])
+        return found
 
     def successes(
-        self,
-        action: Action,
-        fails: Mapping[int, int],
-        committed: tuple[int, ...] = (),
-        hopes: bool = False,
+        self, action: Action, fails: Fails, committed: tuple[int, ...] = (), hopes: bool = False
     ) -> tuple[State | None, ...]:
         """Return the states after a Success, one for each situation that it may lead to.
 
         Args:
             action: the action.
-            fails: counts of Fails before it.
+            fails: Fails before it, as in a state of its source.
             committed: the actions that follow if it leads to its target.
             hopes: True if the plan needed the action's Fail: then its Success uses up an attempt.
         """
         after = self._renewed(action, fails)
         if hopes:
-            after = {**after, action.counter: action.allowance.failed(after.get(action.counter, 0))}
+            after = _counted(after, action.counter, action.allowance.failed(_count(after, action.counter)))
         kept = committed if after is fails else ()
+        first = self._after(action, action.target, after, kept)
+        if not action.others:
+            return (first,)
         others = [
-            None if other.p is not None and other.p <= _NEVER else self.at(other.target, after)
+            None if other.p is not None and other.p <= _NEVER else self._after(action, other.target, after)
             for other in action.others
         ]
-        return (self.at(action.target, after, kept), *others)
+        return (first, *others)
 
-    def fail(self, action: Action, fails: Mapping[int, int], for_good: bool = False) -> State:
+    def fail(self, action: Action, fails: Fails, for_good: bool = False) -> State:
         """Return the state after a Fail whose cause has no situation of its own.
 
         Args:
             action: the action.
-            fails: counts of Fails before it.
+            fails: Fails before it, as in a state of its source.
             for_good: True for a Fail that uses up all attempts at once.
         """
-        allowed, count = action.allowance, fails.get(action.counter, 0)
+        allowed, count = action.allowance, _count(fails, action.counter)
         after = allowed.used_up(count) if for_good else allowed.failed(count)
-        return self.at(action.on_fail or action.source, {**fails, action.counter: after})
+        return self._after(action, action.on_fail or action.source, _counted(fails, action.counter, after))
 
-    def fails(self, action: Action, fails: Mapping[int, int], happens: bool = True) -> list[State | None]:
+    def fails(self, action: Action, fails: Fails, happens: bool = True) -> list[State | None]:
         """Return the states after a Fail, first the one for all causes without their own situation.
 
         Args:
             action: the action.
-            fails: counts of Fails before it.
+            fails: Fails before it, as in a state of its source.
             happens: False if the action never fails: all states are then None.
         """
         if not happens:
             return [None] * (1 + len(action.fail_endings))
-        after = {**fails, action.counter: action.allowance.failed(fails.get(action.counter, 0))}
+        count = action.allowance.failed(_count(fails, action.counter))
+        after = _counted(fails, action.counter, count)
         every = [action.on_fail, *(ending.target for ending in action.fail_endings)]
-        return [self.at(to or action.source, after) for to in every]
+        return [self._after(action, to or action.source, after) for to in every]
 
-    def at(self, situation: str, fails: Mapping[int, int], committed: tuple[int, ...] = ()) -> State:
+    def at(self, situation: str, fails: Mapping[int, int]) -> State:
         """Return the state in a situation, with the Fails that can still matter there.
 
         Args:
             situation: the situation.
             fails: counts of Fails by counter.
+        """
+        if situation == self._network.goal:
+            return State(situation, ())
+        return State(situation, self._filtered(situation, sorted(fails.items())))
+
+    def _after(self, action: Action, situation: str, fails: Fails, committed: tuple[int, ...] = ()) -> State:
+        """Return the state in a situation that an action leads to.
+
+        Args:
+            action: the action.
+            situation: the situation.
+            fails: all Fails, sorted by their counters.
             committed: the actions that the plan prescribes next, as in `State`.
         """
         if situation == self._network.goal:
             return State(situation, ())
-        if not fails:
-            return State(situation, (), committed)
-        comes, kept = self._ahead.bits(situation), list[tuple[int, int]]()
-        for item in fails.items():
-            if comes & self._bits[item[0]]:
-                insort(kept, item)
-        return State(situation, tuple(kept), committed)
+        if fails and self._kept[situation] is not self._kept[action.source]:
+            fails = self._filtered(situation, fails)
+        return State(situation, fails, committed)
 
-    def _renewed(self, action: Action, fails: Mapping[int, int]) -> Mapping[int, int]:
+    def _filtered(self, situation: str, fails: Sequence[tuple[int, int]]) -> Fails:
+        known = self._kept[situation]
+        try:
+            return tuple([item for item in fails if known[item[0]]])
+        except KeyError:
+            return tuple([item for item in fails if self.matters(situation, item[0])])
+
+    def _renewed(self, action: Action, fails: Fails) -> Fails:
         counters = self._network.renewed_by.get(action.index)
         if not counters or not fails:
             return fails
-        actions = self._network.actions
-        new = {c: actions[c].allowance.renewed(fails[c]) for c in counters if c in fails}
-        return {**fails, **new} if any(fails[c] != count for c, count in new.items()) else fails
+        actions, after = self._network.actions, fails
+        for counter, count in fails:
+            if counter in counters and (new := actions[counter].allowance.renewed(count)) != count:
+                after = _counted(after, counter, new)
+        return after
+
+
+def _count(fails: Fails, counter: int) -> int:
+    place = bisect_left(fails, (counter, 0))
+    return fails[place][1] if place < len(fails) and fails[place][0] == counter else 0
+
+
+def _counted(fails: Fails, counter: int, count: int) -> Fails:
+    """Return the Fails with another count; the others are shared, because there are thousands of states."""
+    place = bisect_left(fails, (counter, 0))
+    rest = place + (place < len(fails) and fails[place][0] == counter)
+    return (*fails[:place], (counter, count), *fails[rest:])

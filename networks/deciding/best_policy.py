@@ -122,7 +122,8 @@ class BestPolicy:
 
     def known_step(self, state: State) -> Step | None:
         """Return the decision in a state without searching; None where runs are unlikely to come."""
-        return self._step(state, self.values.known(state)) if self.values.is_known(state) else None
+        decision = self.values.likely(state)
+        return None if decision is None else self._step(state, decision)
 
     def _step(self, state: State, decision: Decision) -> Step:
         if decision.action is not None:

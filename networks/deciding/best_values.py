@@ -59,7 +59,7 @@ class BestValues:
         self._options: dict[State, list[ProcessOption]] = {}
         self._settled: dict[State, int] = {}
         self._searches: dict[tuple[int, tuple[int, ...]], ComponentSearch] = {}
-        self._counters: dict[int, frozenset[int]] = {}
+        self._counters: dict[str, frozenset[int] | None] = {}
         self._gap = 0
         self._is_spent = False
 
@@ -98,16 +98,25 @@ class BestValues:
         search = self._search(state)
         if search is not None and (found := search.decision(state)) is not None:
             return Decision(*found)
+        return self._best_known(state)
+
+    def likely(self, state: State) -> Decision | None:
+        """Return what is known of the best decision in a state, without searching; None if the state was not
+        looked at, or is too unlikely to matter.
+        """
+        search = self._search(state)
+        if search is None:
+            return self._best_known(state) if state in self._options else None
+        found = search.likely_decision(state)
+        return None if found is None else Decision(*found)
+
+    def _best_known(self, state: State) -> Decision:
+        """Return the best decision by the bounds of the states that follow."""
         best, action = self.process.stop_price(state.situation), None
         for option in self._options.get(state) or self.process.options(state):
             if (cost := self._expected(option)) < best:
                 best, action = cost, option.action
         return Decision(action, best, min(best, self._bounds_of(state)[0]))
-
-    def is_known(self, state: State) -> bool:
-        """Return whether a state was looked at, and is likely enough to matter."""
-        search = self._search(state)
-        return state in self._options if search is None else search.is_likely(state)
 
     def costs(self, state: State) -> list[Decision]:
         """Return a decision for each action that can be started in a state, with best decisions afterwards;
@@ -135,16 +144,25 @@ class BestValues:
 
     def _search(self, state: State) -> ComponentSearch | None:
         """Return the search of the component of a state; None if no run comes back to the state."""
-        if self._is_acyclic(state.situation):
+        own = self._own_counters(state.situation)
+        if own is None:
             return None
         part = self.process.part[state.situation]
-        if part not in self._counters:
-            self._counters[part] = frozenset(counters_of(self.process, part))
-        own = self._counters[part]
-        carried = tuple(counter for counter, _ in state.fails if counter not in own)
-        if (part, carried) not in self._searches:
-            self._searches[part, carried] = ComponentSearch(self.process, self._bounds, part, carried)
-        return self._searches[part, carried]
+        carried = tuple([counter for counter, _ in state.fails if counter not in own])
+        found = self._searches.get((part, carried))
+        if found is None:
+            found = ComponentSearch(self.process, self._bounds, part, carried)
+            self._searches[part, carried] = found
+        return found
+
+    def _own_counters(self, situation: str) -> frozenset[int] | None:
+        """Return the counters of a situation's component; None if no run comes back to its states."""
+        if situation not in self._counters:
+            own = None
+            if not self._is_acyclic(situation):
+                own = frozenset(counters_of(self.process, self.process.part[situation]))
+            self._counters[situation] = own
+        return self._counters[situation]
 
     def _settled_bounds(self, state: State) -> tuple[float, float] | None:
         return self._bounds_of(state) if self._is_settled(state) else None

@@ -101,7 +101,9 @@ def comparison(
     rows = ChainRows(policy, chances)
     visits = _visits(rows, policy)
     used = frozenset(
-        action for action, often in zip(rows.action, visits, strict=True) if often > 0.0 and action >= 0
+        action
+        for action, often in zip(rows.action.tolist(), visits, strict=True)
+        if often > 0.0 and action >= 0
     )
     differences = tuple(_differences(policy, visits, chances))
     figures = best_figures(process, policy, name)
@@ -122,7 +124,7 @@ def _visits(rows: ChainRows, policy: Policy) -> Sequence[float]:
         return []
     begins = np.zeros(len(rows.action))
     begins[rows.start] = 1.0
-    links = [*rows.succeeds, *rows.fails, *rows.skips]
+    links = rows.succeeds.joined(rows.fails, rows.skips)
     found: list[float] = LinearSolver(len(begins), links, policy.circles).solve(begins, True).tolist()
     return found
 

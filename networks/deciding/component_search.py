@@ -20,7 +20,7 @@ from .state_table import STOP_CHOICE, StateTable
 
 LOW_SWEEPS, HIGH_SWEEPS = 4, 5
 """Sweeps over all states for each round of the search."""
-EXPANDED_SHARE = 0.9
+EXPANDED_SHARE = 0.99
 """Share of the gap whose states are expanded in a round; below 1 there are more rounds but fewer states."""
 MIN_EXPANDED = 200
 """Maximum number of states that a round expands while the search has expanded fewer; later as many as it
@@ -88,7 +88,7 @@ class ComponentSearch:
 
     def bounds(self, state: State) -> tuple[float, float] | None:
         """Return the bounds of a state, in [s]; None if it was never met."""
-        number = self._table.number(self._rows.row(state))
+        number = self._table.number(self._rows.key(state))
         return None if number is None else (float(self._table.low[number]), float(self._table.high[number]))
 
     def settle(self, state: State, gap: float, effort: Effort, beyond: Bounds) -> State | None:
@@ -135,18 +135,25 @@ class ComponentSearch:
 
     def decision(self, state: State) -> tuple[Action | None, float, float] | None:
         """Return the best action in a state and its bounds in [s]; None if the state was not expanded."""
-        number = self._table.number(self._rows.row(state))
+        number = self._table.number(self._rows.key(state))
         if number is None or not self._table.expanded[number]:
             return None
+        return self._decision(number)
+
+    def likely_decision(self, state: State) -> tuple[Action | None, float, float] | None:
+        """Return the best action in a state and its bounds in [s]; None if the state is not among the
+        likeliest that the best policy comes to.
+        """
+        number = self._table.number(self._rows.key(state))
+        if number is None or not self._made().is_likely[number]:
+            return None
+        return self._decision(number)
+
+    def _decision(self, number: int) -> tuple[Action | None, float, float]:
         made = self._made()
         option, cost = int(made.options[number]), float(made.cost[number])
         action = None if option == STOP_CHOICE else self._rows.actions[self._table.action(option)]
         return action, cost, min(cost, float(self._table.low[number]))
-
-    def is_likely(self, state: State) -> bool:
-        """Return whether a state is among the likeliest that the best policy comes to."""
-        number = self._table.number(self._rows.row(state))
-        return number is not None and bool(self._made().is_likely[number])
 
     def _made(self) -> _Decisions:
         """Return the decisions by the upper bounds, which are made once after each search."""

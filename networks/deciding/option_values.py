@@ -68,7 +68,7 @@ class OptionValues:
         process, goal, mean = self._process, 0.0, action.cost_s if action.binding else 0.0
         here = process.after.at(action.source, counts)
         step = process.step(here, action)
-        succeeded = process.after.successes(action, dict(here.fails), (), hopes)
+        succeeded = process.after.successes(action, here.fails, (), hopes)
         nexts = zip(process.endings(action), (*succeeded, *step.all_failed), strict=True)
         for (p, _), state in nexts:
             if state is None or p <= MIN_PROBABILITY:

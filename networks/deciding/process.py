@@ -106,7 +106,7 @@ class Process:
 
     def step(self, state: State, action: Action) -> Step:
         """Return the decision for an action as a step of a policy."""
-        fails = dict(state.fails)
+        fails = state.fails
         succeeded = self.after.successes(action, fails)
         chance = None if action.binding is None else self.chances[action.index]
         failed, *by = self.after.fails(action, fails, chance is not None and chance.fail > MIN_PROBABILITY)

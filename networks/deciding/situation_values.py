@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csc_array, eye_array
 
 from handcart.networks.graph.network import Action
@@ -42,6 +44,8 @@ class SituationValues:
         self._process = process
         self.value: dict[str, float] = {process.network.goal: 0.0}
         """Value of each situation, in [s]."""
+        self._tight: dict[int, dict[bytes, FloatArray]] = {}
+        """Values (situations,) of each component for excluded actions, which are packed as bits."""
         self._without: dict[tuple[int, frozenset[int]], Mapping[str, float]] = {}
         self._in_arrays: dict[int, tuple[FloatArray, FloatArray, IntArray, IntArray]] = {}
         for number in range(len(process.parts)):
@@ -78,14 +82,28 @@ class SituationValues:
         known = np.array([self.value[name] for name in names])
         if len(names) > MAX_TIGHT_SITUATIONS or not out.any():
             return known[places]
-        packed = np.packbits(out, axis=1)
-        numbers: dict[bytes, int] = {}
-        case = np.array([numbers.setdefault(row.tobytes(), len(numbers)) for row in packed])
-        cases = np.zeros((len(numbers), out.shape[1]), bool)
-        cases[case] = out
+        cases, case = np.unique(_packed(out), return_inverse=True)
+        tight = self._tight.setdefault(number, {})
+        keys = [key.tobytes() for key in cases]
+        new = [place for place, key in enumerate(keys) if key not in tight]
+        if new:
+            first = np.empty(len(cases), np.int64)
+            first[case] = np.arange(len(case))
+            values = self._tightened(number, names, out[first[new]])
+            tight.update((keys[place], row) for place, row in zip(new, values, strict=True))
+        return np.asarray(np.array([tight[key] for key in keys])[case, places])
+
+    def _tightened(self, number: int, names: Sequence[str], cases: BoolArray) -> FloatArray:
+        """Return lower bounds (n, situations) for a component without some actions, in [s].
+
+        Args:
+            number: number of the component.
+            names: its situations.
+            cases: (n, actions) the excluded actions, in the order of the component's situations.
+        """
         cost, follows, first, able = self._arrays(number, names)
-        stops = np.array([process.stop_price(name) for name in names])
-        values = np.tile(known, (len(cases), 1))
+        stops = np.array([self._process.stop_price(name) for name in names])
+        values = np.tile([self.value[name] for name in names], (len(cases), 1))
         for _ in range(MAX_TIGHT_SWEEPS):
             options = np.where(cases, np.inf, cost + values @ follows.T)
             better = np.tile(stops, (len(cases), 1))
@@ -94,7 +112,7 @@ class SituationValues:
             np.maximum(values, better, out=values)
             if change < TIGHT_CHANGE_S:
                 break
-        return np.asarray(values[case, places])
+        return values
 
     def _arrays(self, number: int, names: Sequence[str]) -> tuple[FloatArray, FloatArray, IntArray, IntArray]:
         """Return costs and transitions of the actions of a component, made once.
@@ -164,6 +182,15 @@ class SituationValues:
                 if found < best:
                     best, chosen[place], values[place], changed = found, number, found, True
         return changed
+
+
+def _packed(out: BoolArray) -> NDArray[Any]:
+    """Return the rows of a mask (n, k) as one value each, (n,): an integer, or bytes if k is above 64."""
+    words = -(-out.shape[1] // 64)
+    whole = np.zeros((len(out), 64 * words), bool)
+    whole[:, : out.shape[1]] = out
+    packed = np.ascontiguousarray(np.packbits(whole, axis=1))
+    return packed.view(np.uint64 if words == 1 else f"V{8 * words}")[:, 0]
 
 
 def _evaluated(options: Sequence[Sequence[_Row]], chosen: Sequence[int], stops: FloatArray) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -105,13 +106,17 @@ class StateRows:
                 self._p[place, number], self._to[place, number] = p, to
                 self._fails[place, number] = fails
 
+    def key(self, state: State) -> bytes:
+        """Return the row of a state as bytes."""
+        row = [0] * (1 + len(self.counters))
+        row[0] = self._place[state.situation]
+        for counter, count in state.fails:
+            row[1 + self._column[counter]] = count
+        return array("H", row).tobytes()
+
     def row(self, state: State) -> Uint16Array:
         """Return the row of a state, as (1, 1 + counters)."""
-        row = np.zeros((1, 1 + len(self.counters)), np.uint16)
-        row[0, 0] = self._place[state.situation]
-        for counter, count in state.fails:
-            row[0, 1 + self._column[counter]] = count
-        return row
+        return np.frombuffer(self.key(state), np.uint16)[None, :]
 
     def state(self, row: Uint16Array) -> State:
         """Return the state of a row (1 + counters,)."""

@@ -54,6 +54,8 @@ class StateTable:
             GrowingArray(whole),
         )
         self._order, self._first = GrowingArray(whole), GrowingArray(whole)
+        self._follows: csr_array | None = None
+        """(options, states) probability of each state after each option."""
 
     @property
     def states(self) -> Uint16Array:
@@ -85,9 +87,9 @@ class StateTable:
         """Number of transitions."""
         return len(self._p.all)
 
-    def number(self, row: Uint16Array) -> int | None:
-        """Return the number of the state with a row (1, 1 + counters); None if it was never met."""
-        return self._numbers.get(row.tobytes())
+    def number(self, key: bytes) -> int | None:
+        """Return the number of the state with a key, as in `StateRows`; None if it was never met."""
+        return self._numbers.get(key)
 
     def add(self, rows: Uint16Array) -> IntArray:
         """Return the numbers of states (n, 1 + counters); new ones are bounded by their situations."""
@@ -181,9 +183,11 @@ class StateTable:
         return found
 
     def _priced(self, values: FloatArray) -> FloatArray:
-        follows = csr_array((self._p.all, self._to.all, self._ends.all), (len(self._price.all), len(values)))
+        shape = len(self._price.all), len(values)
+        if self._follows is None or self._follows.shape != shape:
+            self._follows = csr_array((self._p.all, self._to.all, self._ends.all), shape)
         with np.errstate(divide="ignore"):
-            priced: FloatArray = (self._price.all + follows @ values) / self._left.all
+            priced: FloatArray = (self._price.all + self._follows @ values) / self._left.all
         return priced
 
     def reached(self, roots: IntArray, option: IntArray) -> IntArray:
@@ -195,12 +199,24 @@ class StateTable:
         """
         seen = np.zeros(len(option), bool)
         seen[roots] = True
-        ahead = roots
+        ahead, place = roots, np.empty(len(option), np.int64)
         while len(ahead):
-            to = np.unique(self.after(option[ahead])[1])
-            ahead = to[~seen[to]]
-            seen[ahead] = True
+            to = self._successors(option[ahead])
+            to = to[~seen[to]]
+            seen[to] = True
+            place[to] = np.arange(len(to))  # of equal ones the last
+            ahead = to[place[to] == np.arange(len(to))]
         return np.flatnonzero(seen)
+
+    def _successors(self, options: IntArray) -> IntArray:
+        """Return the numbers of the states that may follow some options, with repetitions."""
+        return self._to.all[self._transitions_of(options[options != STOP_CHOICE])[1]]
+
+    def _transitions_of(self, options: IntArray) -> tuple[IntArray, IntArray]:
+        """Return how many transitions each option (n,) has, and the numbers of all of them."""
+        begin = self._ends.all[options]
+        count = self._ends.all[options + 1] - begin
+        return count, np.repeat(begin - np.cumsum(count) + count, count) + np.arange(count.sum())
 
     def after(self, options: IntArray) -> tuple[IntArray, IntArray, FloatArray]:
         """Return the transitions of some options.
@@ -214,9 +230,7 @@ class StateTable:
         """
         acting = np.flatnonzero(options != STOP_CHOICE)
         chosen = options[acting]
-        begin, end = self._ends.all[chosen], self._ends.all[chosen + 1]
-        count = end - begin
-        places = np.repeat(begin - np.cumsum(count) + count, count) + np.arange(count.sum())
+        count, places = self._transitions_of(chosen)
         p = self._p.all[places] / np.repeat(self._left.all[chosen], count)
         return np.repeat(acting, count), self._to.all[places], p
 

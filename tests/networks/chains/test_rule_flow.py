@@ -12,7 +12,7 @@ from benchmarks.deciding.random_networks import ANY_BINDING, Drawn, drawn
 from handcart.networks.analysis.forecast import Forecaster
 from handcart.networks.chains.chance import Chance
 from handcart.networks.chains.effort import Effort
-from handcart.networks.chains.policy import State, policy
+from handcart.networks.chains.policy import State, explored, policy
 from handcart.networks.chains.policy_chain import policy_chain
 from handcart.networks.chains.rule_flow import RuleFlow, can_flow
 from handcart.networks.graph.network import Action, ActionNetwork, FailEnding, Situation
@@ -72,6 +72,39 @@ def test_rule_with_loops_is_known_to_a_thousandth() -> None:
     found = Forecaster(task.network, task.chances, Effort(3e5)).forecast()
     assert found.unknown < 1e-3
     assert found.goal <= 0.51367 <= found.goal_high  # by `plain_solver.rule_ends` in 20 s: 0.51362 to 0.51370
+
+
+def with_dead_ends() -> Drawn:
+    """Return a network whose one action fails for eight causes, each into a situation without a way."""
+    names = [f"d{number}" for number in range(8)]
+    endings = tuple(FailEnding(name, name) for name in names)
+    action = Action("a", "z", ANY_BINDING, fail_endings=endings)
+    return Drawn(ActionNetwork.build(map(Situation, ["a", *names, "z"]), [action], "a", "z"), [Chance(0.5)])
+
+
+@pytest.mark.parametrize(
+    "task",
+    [
+        *(pytest.param(with_all_kinds(seed), id=f"all kinds {seed}") for seed in range(20)),
+        *(pytest.param(drawn(family, 1, 8), id=family) for family in ("forward", "back", "anywhere")),
+        pytest.param(with_dead_ends(), id="dead ends"),
+    ],
+)
+def test_least_steps_never_exceed_those_of_the_search(task: Drawn) -> None:
+    start, effort = State(task.network.start, ()), Effort(1e6)
+    assert explored(task.network, effort=effort, chances=task.chances).is_complete
+    found = RuleFlow(task.network, task.chances, Effort(1e6)).least_steps(start, 1e6)
+    assert found <= effort.spent
+    assert found > 0.1 * effort.spent  # so that searches that cannot succeed are noticed
+
+
+@pytest.mark.parametrize(("steps", "is_exact"), [(1.01, True), (0.99, False)])
+def test_forecast_is_exact_if_the_budget_suffices_for_all_states(steps: float, is_exact: bool) -> None:
+    task, needed = drawn("back", 3, 7), Effort(1e6)
+    assert explored(task.network, effort=needed).is_complete
+    # A quarter of a forecaster's budget is for the search of all states.
+    forecaster = Forecaster(task.network, task.chances, Effort(4.0 * steps * needed.spent))
+    assert (forecaster.forecast().unknown == 0.0) == is_exact
 
 
 @pytest.mark.parametrize(
