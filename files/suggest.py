@@ -6,6 +6,8 @@ from difflib import get_close_matches
 from itertools import islice
 from pathlib import Path
 
+MISSPELLED = 0.85
+"""Similarity, 0 to 1, from which an unknown name is a misspelled one, not the name of something else."""
 _SHOWN = 12
 _MAX_ENTRIES = 5000  # of a folder that are looked at
 
@@ -26,13 +28,18 @@ def suggest(name: str, allowed: Iterable[str]) -> str:
     return f"; {question}allowed: {listed(names)}"
 
 
-def nearest(name: str, allowed: Iterable[str]) -> str | None:
+def nearest(name: str, allowed: Iterable[str], similarity: float = 0.6) -> str | None:
     """Return the allowed name most similar to `name`, apart from upper and lower case; None if none is
     similar.
+
+    Args:
+        name: the unknown name.
+        allowed: names that would have been valid.
+        similarity: least ratio of `difflib`, from 0 to 1; `MISSPELLED` where unknown names are allowed.
     """
     folded = {candidate.casefold(): candidate for candidate in allowed}
     # Longer names are never meant, and difflib is quadratic.
-    matches = get_close_matches(name.casefold()[:100], folded, n=1, cutoff=0.6)
+    matches = get_close_matches(name.casefold()[:100], folded, n=1, cutoff=similarity)
     return folded[matches[0]] if matches else None
 
 

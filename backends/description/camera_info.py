@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import AliasChoices, ConfigDict, Field, model_validator
+from typing_extensions import override
 
+from handcart.files.errors import Finding
 from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
+from handcart.files.suggest import MISSPELLED, nearest
+from handcart.files.yaml.yaml_document import Document
 from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.cameras.lens_fold import LensKind
@@ -71,6 +76,13 @@ class CameraInfo(FileModel):
         if fault := _lens_fault(self.model):
             raise ValueError(fault)
         return self
+
+    @override
+    def contradictions(self, document: Document) -> Iterator[Finding]:
+        meant = {"distortion_model", "distortion_coefficients"} - document.data.keys()
+        for key in document.data:
+            if (right := nearest(key, meant, MISSPELLED)) and key not in type(self).model_fields:
+                yield document.finding((key,), f"unknown key {key!r}; did you mean {right!r}?", at_key=True)
 
     @property
     def _coefficients(self) -> tuple[float, ...]:

@@ -1,6 +1,7 @@
 """pydantic's errors as findings: at their line and column, in the words of files."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any, get_args
 
 from pydantic import TypeAdapter, ValidationError
@@ -97,6 +98,8 @@ class _Wording:
         path = (*self._at, *place.path)
         match error["type"]:
             case "missing":
+                if misspelled := self._misspelled(place):
+                    return misspelled
                 return self._document.finding(path[:-1], self._missing(place))
             case "extra_forbidden":
                 return self._document.finding(path, self._unknown(place), at_key=True)
@@ -115,6 +118,19 @@ class _Wording:
         one_of = "one of " if names_of(place.schema) else ""
         needed = one_of + described(self._walk, place.schema, missing)
         return f"the key {missing!r} is missing; needed: {needed or 'a value'}"
+
+    def _misspelled(self, place: SchemaPlace) -> Finding | None:
+        """Return the finding on an unknown key that is spelled like the missing one; None without one."""
+        above = (*self._at, *place.path[:-1])
+        node, there = self._document.root.deepest(above)
+        fields = self._walk.fields(place.parent)
+        if not there or not isinstance(node.content, dict):
+            return None
+        for key in node.content:
+            if key not in fields and nearest(key, fields) == place.path[-1]:
+                unknown = replace(place, path=(*place.path[:-1], key))
+                return self._document.finding((*above, key), self._unknown(unknown), at_key=True)
+        return None
 
     def _unknown(self, place: SchemaPlace) -> str:
         fields = self._walk.fields(place.parent)

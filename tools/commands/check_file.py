@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from handcart.files.errors import FileError, Finding, InputError
+    from handcart.files.yaml.yaml_document import Document
     from handcart.networks.task.task_file import Task
 
 PolicyName = Literal["rule", "expected_cost", "goal_probability"]
@@ -190,11 +191,9 @@ def file_facts(file: Path, settings: dict[str, str], asked: CheckOptions = Check
         FileError: with all faults of the file.
         InputError: it names something that does not exist.
     """
-    from handcart.files.errors import FileError
     from handcart.files.maps.map_file import is_map
     from handcart.files.maps.movingai_map import MOVINGAI_SUFFIX
     from handcart.files.models.loading import load
-    from handcart.files.suggest import suggest
     from handcart.files.yaml.yaml_document import read_document
     from handcart.networks.task.task_model import MAX_TASK_BYTES, MAX_TASK_NODES
     from handcart.primitives.knowledge.place import is_goals
@@ -215,9 +214,7 @@ def file_facts(file: Path, settings: dict[str, str], asked: CheckOptions = Check
     data = document.data if isinstance(document.data, dict) else {}
     kind = str(data.get("format", "")).removeprefix("handcart-").split("/")[0]
     if kind not in kinds():
-        allowed = [f"handcart-{item}/1" for item in kinds()]
-        wrong = f"the key 'format' doesn't name a kind of file{suggest(str(data.get('format', '')), allowed)}"
-        raise FileError([document.finding(("format",) if "format" in data else (), wrong)])
+        raise _unknown_kind(document)
     if kind == "task":
         if not asked.quick:
             _import_domain_checks(data.get("knowledge"))
@@ -239,6 +236,22 @@ def file_facts(file: Path, settings: dict[str, str], asked: CheckOptions = Check
     else:
         load(file, model_of(kind))
     return {"format": data["format"]}
+
+
+def _unknown_kind(document: Document) -> FileError:
+    """Return the error that `format` is missing, misspelled, or names no kind of file."""
+    from handcart.files.errors import FileError
+    from handcart.files.suggest import nearest, suggest
+    from handcart.tools.checks.file_kinds import kinds
+
+    data = document.data if isinstance(document.data, dict) else {}
+    misspelled = None if "format" in data else nearest("format", data)
+    if misspelled is not None:
+        wrong = f"unknown key {misspelled!r}; did you mean 'format'?"
+        return FileError([document.finding((misspelled,), wrong, at_key=True)])
+    allowed = [f"handcart-{item}/1" for item in kinds()]
+    wrong = f"the key 'format' doesn't name a kind of file{suggest(str(data.get('format', '')), allowed)}"
+    return FileError([document.finding(("format",) if "format" in data else (), wrong)])
 
 
 def _map_facts(file: Path) -> dict[str, Any]:

@@ -119,6 +119,8 @@ def test_a_picture_that_leads_out_of_the_maps_folder_is_refused(chart: Path, ima
         ("free_thresh: 0.196", "free_thresh: -1", "map.yaml:6:14:"),
         ("negate: 0", "negate: 2", "map.yaml:4:9:"),
         ("negate: 0", "mode: binary", "map.yaml:4:7:"),
+        ("resolution:", "resolutoin:", "map.yaml:2:1: unknown key 'resolutoin'; did you mean 'resolution'?"),
+        ("free_thresh:", "free_tresh:", "unknown key 'free_tresh'; did you mean 'free_thresh'?"),
         ("map.pgm", "mop.pgm", "map.yaml:1:8: no picture can be read from 'mop.pgm'"),
         ("map.pgm", "/dev/zero", "map.yaml:1:8: no picture can be read from '/dev/zero'"),
         ("map.pgm", "map.yaml", "map.yaml:1:1: the picture is not a picture"),

@@ -258,3 +258,17 @@ def test_a_task_whose_world_has_moved_is_refused(
         said = handcart(*words, task)
         assert said.status == 2
         assert "world.yaml:3:8: the robot starts off the map that it is given; allowed: on it" in said.err
+
+
+def test_misspelled_key_is_named_with_its_place(
+    handcart: Callable[..., Said], broken: Callable[..., Path]
+) -> None:
+    path = broken(("format:", "fromat:"))
+    assert "task.yaml:1:1: unknown key 'fromat'; did you mean 'format'?" in handcart("check", path).err
+    chart = path.with_name("map.yaml")
+    text = chart.read_text(encoding="utf-8")
+    chart.write_text(text.replace("resolution", "resolutoin"), encoding="utf-8")
+    said = handcart("check", chart)
+    assert said.status == 2
+    assert "map.yaml:3:1: unknown key 'resolutoin'; did you mean 'resolution'?" in said.err
+    assert len(said.err.splitlines()) == 1
