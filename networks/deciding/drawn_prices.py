@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from heapq import heapify, heappop, heappush
 from typing import NamedTuple
 
 import numpy as np
@@ -15,9 +16,8 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 from .process import Process
 
-MAX_SWEEPS = 500
-SWEEP_TOLERANCE = 1e-6
-"""Largest relative change of a price in the last sweep."""
+MIN_LEAVING = 1e-13
+"""Least probability of leaving a state, so that a policy that never ends has a price: a very large one."""
 
 
 class DrawnAction(NamedTuple):
@@ -36,7 +36,7 @@ class PricedRow(NamedTuple):
     cost: FloatArray
     """(draws,) cost of its decision, with the prices of ends that follow at once, in [s]."""
     leads: list[tuple[FloatArray, int]]
-    """Probability (draws,) of each state that follows, with the number of that state."""
+    """Probability (draws,) of each state that follows, with the place of that state in the order."""
 
 
 class DrawnPrices:
@@ -55,28 +55,21 @@ class DrawnPrices:
     def of(self, policy: Policy) -> FloatArray:
         """Return the expected price of a policy in each draw, (draws,) in [s].
 
-        In states that were not looked at, a person is called. States are taken in the policy's order, in
-        which successors come first; where chance leads in circles, the sweeps are repeated (Gauss and
-        Seidel).
+        In states that were not looked at, a person is called. The equations of all draws are solved at once
+        by elimination, successors first: where a price is referred to, its equation takes its place. Little
+        fills in, because Fails only become more.
         """
         if policy.start not in policy.steps:
             return np.full(len(self._draws), self._process.stop_price(policy.start.situation))
-        numbers = {state: number for number, state in enumerate(policy.steps)}
-        rows = [self._row(state, step, numbers) for state, step in policy.steps.items()]
-        prices: FloatArray = np.zeros((len(rows), len(self._draws)))
-        for _ in range(MAX_SWEEPS if policy.circles else 1):
-            before = prices.copy()
-            for number, row in enumerate(rows):
-                price = prices[number]
-                price[:] = row.cost
-                for p, following in row.leads:
-                    price += p * prices[following]
-            if np.all(np.abs(prices - before) <= SWEEP_TOLERANCE * (1.0 + prices)):
-                break
-        found: FloatArray = prices[numbers[policy.start]]
-        return found
+        order = _successors_first(policy)
+        places = {state: place for place, state in enumerate(order)}
+        reduced: list[PricedRow] = []
+        for place, state in enumerate(order):
+            row = self._row(state, policy.steps[state], places)
+            reduced.append(_eliminated(place, row, reduced))
+        return reduced[-1].cost
 
-    def _row(self, state: State, step: Step, numbers: Mapping[State, int]) -> PricedRow:
+    def _row(self, state: State, step: Step, places: Mapping[State, int]) -> PricedRow:
         process, action = self._process, step.action
         stop = process.stop_price(state.situation)
         if action is None:
@@ -85,8 +78,8 @@ class DrawnPrices:
         cost: FloatArray = stop * drawn.give_up
         cost = cost + (process.person_s if action.binding is None else action.cost_s)
         for p, after in self._following(step, drawn):
-            if after in numbers:
-                leads.append((p, numbers[after]))
+            if after in places:
+                leads.append((p, places[after]))
             elif after.situation != process.network.goal:
                 cost = cost + p * process.stop_price(after.situation)
         return PricedRow(cost, leads)
@@ -102,8 +95,61 @@ class DrawnPrices:
                 chances = [Chance(1.0)] * len(self._draws)
             success = np.array([chance.success for chance in chances])
             give_up = np.array([chance.give_up for chance in chances])
-            results = np.array([success_shares(action, chance) for chance in chances]).T
-            causes = np.array([fail_shares(action, chance) for chance in chances]).T
+            results = np.array(_each(chances, lambda chance: success_shares(action, chance))).T
+            causes = np.array(_each(chances, lambda chance: fail_shares(action, chance))).T
             fail = np.maximum(0.0, 1.0 - success - give_up)
             self._actions[action.index] = DrawnAction(list(success * results), list(fail * causes), give_up)
         return self._actions[action.index]
+
+
+def _each(chances: Sequence[Chance], shares: Callable[[Chance], Sequence[float]]) -> list[Sequence[float]]:
+    """Return the shares of each draw, which are computed once if no draw has its own."""
+    if any(chance.success_shares or chance.fail_shares for chance in chances):
+        return [shares(chance) for chance in chances]
+    return [shares(chances[0])] * len(chances)
+
+
+def _successors_first(policy: Policy) -> list[State]:
+    """Return the states that runs of a policy reach, each after its successors but for circles."""
+    steps, found, seen = policy.steps, list[State](), {policy.start}
+    ahead = [(policy.start, steps[policy.start].following())]
+    while ahead:
+        state, successors = ahead[-1]
+        following = next((item for item in successors if item in steps and item not in seen), None)
+        if following is None:
+            ahead.pop()
+            found.append(state)
+        else:
+            seen.add(following)
+            ahead.append((following, steps[following].following()))
+    return found
+
+
+def _eliminated(at: int, row: PricedRow, reduced: Sequence[PricedRow]) -> PricedRow:
+    """Return a row that refers to later rows only.
+
+    Args:
+        at: place of the row.
+        row: its cost, with the places of the rows that it refers to.
+        reduced: all rows before it, each of which refers to later rows than itself only.
+    """
+    cost, leads = row.cost.copy(), dict[int, FloatArray]()
+    for p, to in row.leads:
+        leads[to] = leads[to] + p if to in leads else p
+    earlier = [to for to in leads if to < at]
+    heapify(earlier)
+    while earlier:
+        before = heappop(earlier)
+        p = leads.pop(before)
+        cost += p * reduced[before].cost
+        for share, to in reduced[before].leads:
+            if to in leads:
+                leads[to] = leads[to] + p * share
+            else:
+                leads[to] = p * share
+                if to < at:
+                    heappush(earlier, to)
+    if (stays := leads.pop(at, None)) is not None:
+        left = np.maximum(MIN_LEAVING, 1.0 - stays)
+        return PricedRow(cost / left, [(p / left, to) for to, p in leads.items()])
+    return PricedRow(cost, [(p, to) for to, p in leads.items()])

@@ -9,7 +9,7 @@ import numpy as np
 
 from handcart.networks.chains.chance import Chance
 from handcart.networks.chains.effort import Effort
-from handcart.networks.chains.policy import Chances, Policy, explored, likely_policy
+from handcart.networks.chains.policy import Chances, Policy, likely_policy
 from handcart.networks.chains.step_maker import State
 from handcart.networks.graph.network import ActionNetwork
 
@@ -127,19 +127,14 @@ def judge_policies(
         start: state from which the runs are compared.
         rule_steps: budget of the rule's states.
     """
-    chosen, rule = best.policy(start), _rule(best, start, rule_steps)
+    chosen = best.policy(start)
+    rule = likely_policy(best.network, best.process.chances, Effort(rule_steps), start)
     if _decide_alike(chosen, rule):
         return SwitchVerdict(0.0, 0.0, True)
     prices = DrawnPrices(best.process, draw())
     by_rule = prices.of(rule)
     saved = by_rule - prices.of(chosen)
     return SwitchVerdict(float(np.mean(saved > MIN_SAVING * by_rule)), float(np.mean(saved)), False)
-
-
-def _rule(best: BestPolicy, start: State, steps: float) -> Policy:
-    network, chances = best.network, best.process.chances
-    found = explored(network, effort=Effort(steps), start=start, chances=chances)
-    return found if found.is_complete else likely_policy(network, chances, Effort(steps), start)
 
 
 def _decide_alike(one: Policy, other: Policy) -> bool:
