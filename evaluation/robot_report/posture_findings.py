@@ -10,6 +10,7 @@ import numpy as np
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.robot_names import robot_path
 from handcart.files.errors import Finding
+from handcart.files.stages import begin_stage
 from handcart.files.suggest import listed
 from handcart.files.yaml.yaml_document import read_document
 from handcart.robotics.geometry.footprint import Footprint
@@ -61,6 +62,7 @@ def posture_findings(robot_name: str, robot: RobotFile) -> Iterator[Finding]:
         robot_name: name of a shipped robot, or path of its file.
         robot: the robot's file.
     """
+    begin_stage("postures of the arm")
     facts = posture_facts(robot)
     if not facts:
         return

@@ -14,6 +14,7 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.description.robot_file import RobotFile
 from handcart.files.errors import Finding
 from handcart.files.models.loading import Loaded
+from handcart.files.stages import begin_stage
 from handcart.networks.graph.network import Action
 from handcart.primitives.knowledge.place import Place, Places
 from handcart.primitives.knowledge.world_model import WorldModel
@@ -72,6 +73,28 @@ class PlaceRoom:
         }
 
 
+class ComputedPlace(NamedTuple):
+    """A place that no file has, because a domain computes it for the robot."""
+
+    name: str
+    pose: Pose2
+    """map_T_base."""
+
+    def words(self) -> str:
+        """Return a line for people."""
+        x, y, heading = self._rounded()
+        return f"place {self.name}, computed: x {x:.2f} m, y {y:.2f} m, heading {heading:.0f} deg"
+
+    def for_programs(self) -> dict[str, Any]:
+        """Return the same content for JSON."""
+        return dict(zip(("name", "x_m", "y_m", "heading_deg"), (self.name, *self._rounded()), strict=True))
+
+    def _rounded(self) -> tuple[float, float, float]:
+        """Return x and y in [m] and the heading in [deg]; 0 has no sign."""
+        heading = round(math.degrees(self.pose.theta), 1)
+        return round(self.pose.x, 3) + 0.0, round(self.pose.y, 3) + 0.0, heading + 0.0
+
+
 @dataclass(frozen=True)
 class PlaceRooms:
     """Free room at all places of a task."""
@@ -120,6 +143,7 @@ def place_rooms(task: Task, robot: RobotFile, model: WorldModel, start: Pose2) -
     named, driven = _named(task.network.actions), _named(task.network.actions, driving=True)
     if not task.knowledge.is_start_known:  # it is found later: ways are those between the places
         start = next((place.pose for place in loaded.value.places.values()), start)
+    begin_stage("ways to the places")
     ways = Ways(model.map, robot.footprint_shape, start)
     rooms = tuple(
         PlaceRoom(

@@ -11,6 +11,7 @@ from handcart.backends.robot.localization.determination import PoseNeed
 from handcart.backends.robot.localization.lidar import MIN_ECHOES
 from handcart.backends.robot.localization.pose_forecast import PoseForecast, forecast_pose
 from handcart.files.errors import Finding
+from handcart.files.stages import begin_stage
 from handcart.primitives.knowledge.place import ARRIVED_DEG, ARRIVED_MM
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
@@ -33,6 +34,7 @@ def pose_findings(
         model: its world model.
         rooms: the places, with the routes from the robot's start.
     """
+    begin_stage("uncertainty of the pose at the places")
     loaded, lidar = task.knowledge.places, robot.range_sensor
     if not task.knowledge.is_start_known:
         return

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple, TypeVar
@@ -17,6 +17,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.files.errors import FileError, Finding, InputError
 from handcart.files.findings import Findings
 from handcart.files.maps.map_file import read_occupancy
+from handcart.files.stages import begin_stage
 from handcart.files.suggest import suggest
 from handcart.networks.graph.network import ActionNetwork
 from handcart.primitives.knowledge.map_masks import keepout_findings, load_speed_limits
@@ -29,7 +30,7 @@ from handcart.robotics.navigation.maps.keepout import with_keepout
 from handcart.robotics.numerics.compiling_before import compile_before
 
 from .named_files import SPEED_MASK_KEYS
-from .place_room import PlaceRoom, PlaceRooms, place_findings, place_rooms
+from .place_room import ComputedPlace, PlaceRoom, PlaceRooms, place_findings, place_rooms
 from .pose_forecast import pose_findings
 from .task_file import Primitives, Task, load_task
 from .unknown_start import drawn_pose, start_findings
@@ -184,6 +185,13 @@ class Checked(NamedTuple):
     """Checks of each place of its map."""
     errors: tuple[Finding, ...]
     """Places that an action drives to, and that can't be reached: a run is refused."""
+    computed: tuple[ComputedPlace, ...]
+    """Places that no file has, because domains compute them for the robot."""
+
+    def place_lines(self) -> Iterator[str]:
+        """Yield a line for people for each place."""
+        yield from (place.words() for place in self.places)
+        yield from (place.words() for place in self.computed)
 
 
 def _read(
@@ -200,7 +208,7 @@ def _read(
     if situation is not None:
         task = replace(task, network=beginning_at(task.network, situation))
     findings, name = Findings(), backend or task.file.backend
-    spec = _collected(findings, lambda: load_robot(task.robot, only_looked or _has_drives(name)))
+    spec = _collected(findings, lambda: _robot_of(task, only_looked or _has_drives(name)))
     spec = spec if errors or spec is None else spec.without_errors()
     if spec is not None and is_without_map(task.document):
         spec = started_exactly(spec)
@@ -233,6 +241,11 @@ def _read(
     if spec is not None and known is not None and not findings:
         rooms = place_rooms(task, spec, known[0], task.knowledge.start)
     return _Read(task, name, spec, known, world, findings, rooms)
+
+
+def _robot_of(task: Task, drives: bool) -> RobotFile:
+    begin_stage(f"robot {task.robot}")
+    return load_robot(task.robot, drives)
 
 
 def _drive_fault(name: str, spec: RobotFile) -> str:
@@ -298,7 +311,10 @@ def _checked(read: _Read) -> Checked:
     )
     known = read.known[1] if read.known else ()
     warnings = (*robot, *known, *map(str, read.rooms.warnings), *map(str, poses))
-    return Checked(read.task, warnings, read.rooms.places, read.rooms.errors)
+    places = read.known[0].places if read.known else {}
+    given = read.task.knowledge.all_places()
+    computed = tuple(ComputedPlace(name, places[name].pose) for name in places if name not in given)
+    return Checked(read.task, warnings, read.rooms.places, read.rooms.errors, computed)
 
 
 def make_robot(task: Task, backend: Backend, spec: RobotFile, model: WorldModel) -> Robot:
@@ -316,6 +332,7 @@ def _stated_start(task: Task, model: WorldModel) -> Pose2 | None:
 
 def load_model(task: Task) -> tuple[WorldModel, tuple[str, ...]]:
     """Return the robot's prior knowledge, and warnings on it; raises `FileError` with every finding."""
+    begin_stage("map and knowledge")
     findings, named = Findings(), task.knowledge.places
     chart, keepout, mask = (
         task.path("knowledge", "map"),

@@ -15,6 +15,7 @@ from handcart.backends.plain_values import attributes, set_attributes
 from handcart.backends.robot.robot import Robot
 from handcart.backends.saved_state import NotAState
 from handcart.files.errors import Finding, HandcartError
+from handcart.files.stages import begin_stage
 from handcart.files.suggest import suggest
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
 from handcart.robotics.navigation.maps.grid_map import GridMap
@@ -147,6 +148,7 @@ class WorldModel:
         """Let the domains compute their robot-dependent data, such as places; add these places, and mark on
         the map the areas whose content may have moved; return the faults.
         """
+        begin_stage("places of the base")
         found: list[Finding] = []
         for section in self.sections.values():
             found += section.fit(robot, self.map, self.places)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from handcart.files.stages import begin_stage
+
 from .belief_table import belief_facts
 from .policy_table import comparison_lines
 
@@ -41,6 +43,7 @@ def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
     from handcart.networks.chains.effort import Effort
     from handcart.networks.chains.policy import budget_of
 
+    begin_stage("how runs end")
     network = task.network
     facts: dict[str, Any] = {
         "title": task.file.title,

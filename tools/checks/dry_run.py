@@ -44,7 +44,7 @@ def dry_run(
     chosen = dict(split_setting(setting) for setting in settings)
     checked = check(task, backend, chosen, seed, situation)
     network, robot = checked.task.network, checked.task.robot
-    places = [place.words() for place in checked.places]
+    places = list(checked.place_lines())
     if checked.errors:
         print("\n".join([] if as_json else places), end="" if as_json else "\n")
         raise FileError(checked.errors)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 import typer
 
 from handcart.files.printable import counted
+from handcart.files.stages import begin_stage
 from handcart.tools.checks.few_collections import few_collections
 
 if TYPE_CHECKING:
@@ -115,7 +116,7 @@ def check(
         print(f"  warning: {warning}")
     for line in facts.pop("lines", ()):
         print(f"  {line}")
-    for key in ("figures", "policies", "robot", "short", "places"):
+    for key in ("figures", "policies", "robot", "short", "places", "computed_places"):
         facts.pop(key, None)
     for name, value in facts.items():
         print(f"  {name}: {value}")
@@ -287,8 +288,10 @@ def _task_facts(file: Path, settings: dict[str, str], quick: bool) -> dict[str, 
         facts |= _domain_facts(checked.task)
     robot = checked.task.robot
     postures = map(str, posture_findings(robot, load_robot(robot)))
-    lines = [*(place.words() for place in checked.places), *facts.get("lines", ())]
+    lines = [*checked.place_lines(), *facts.get("lines", ())]
     places = {"places": [place.for_programs() for place in checked.places]} if checked.places else {}
+    if checked.computed:
+        places["computed_places"] = [place.for_programs() for place in checked.computed]
     facts |= {"lines": lines, "warnings": [*checked.warnings, *postures, *facts["warnings"]]}
     return {**facts, **places, "errors": [*checked.errors, *facts["errors"]]}
 
@@ -313,6 +316,7 @@ def _domain_facts(task: Task) -> dict[str, Any]:
     for domain in domains():
         named = domain.knowledge.files if domain.knowledge else ()
         if domain.task_facts and any(task.path("knowledge", key) for key in named):
+            begin_stage(f"work of the domain {domain.name}")
             facts |= imported(domain.task_facts)(task)
     return facts
 

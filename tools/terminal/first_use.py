@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from handcart.files.stages import hearing_of_stages
 from handcart.robotics.numerics.compiled import hearing_of_compiling
 from handcart.robotics.numerics.compiling_ahead import compiling_ahead
 
@@ -18,15 +19,42 @@ SILENT_TIME_S = 1.0
 def first_words(what: str) -> Iterator[Callable[[], None]]:
     """Print `what` to stderr after a second, unless the yielded function is called before.
 
-    Import the modules of a command in this context, which takes longer than a second on a fresh machine.
+    A stage (`begin_stage`) that takes longer than a second is printed with its name, once. Import the
+    modules of a command in this context, which takes longer than a second on a fresh machine.
     """
-    timer = threading.Timer(SILENT_TIME_S, _say, [f"{what} ..."])
-    timer.daemon = True
-    timer.start()
-    try:
-        yield timer.cancel
-    finally:
-        timer.cancel()
+    waiting = _Waiting(what)
+    with hearing_of_stages(waiting.begin):
+        try:
+            yield waiting.end
+        finally:
+            waiting.end()
+
+
+class _Waiting:
+    """Timer that prints what is being done once that has taken a second."""
+
+    def __init__(self, what: str) -> None:
+        self._what, self._is_over = what, False
+        self._begun = set[str]()
+        self._timer = self._started(what)
+
+    def begin(self, stage: str) -> None:
+        """Time a stage from its first beginning on."""
+        self._timer.cancel()
+        if not self._is_over and stage not in self._begun:
+            self._begun.add(stage)
+            self._timer = self._started(f"{self._what}: {stage}")
+
+    def end(self) -> None:
+        """Print nothing more."""
+        self._is_over = True
+        self._timer.cancel()
+
+    def _started(self, words: str) -> threading.Timer:
+        timer = threading.Timer(SILENT_TIME_S, _say, [f"{words} ..."])
+        timer.daemon = True
+        timer.start()
+        return timer
 
 
 @contextmanager

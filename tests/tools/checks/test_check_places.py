@@ -11,7 +11,10 @@ import cv2
 import numpy as np
 import pytest
 
+from handcart.backends.description.robot_file import RobotFile
+from handcart.files.errors import Finding
 from handcart.networks.task.preparing import check
+from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.robotics.navigation.maps.grid_map import from_boxes
 from tests.tools.conftest import Said
 
@@ -86,6 +89,23 @@ def test_check_reports_clearance_and_reachability_of_each_place(
     assert narrow["narrow_m"] == pytest.approx([4.0, 1.8], abs=0.1)
     assert (narrow["width_m"], narrow["width_needed_m"]) == (pytest.approx(0.6, abs=0.051), 0.72)
     assert [(finding["line"], finding["column"]) for finding in found["findings"]] == [(6, 3), (7, 3)]
+
+
+def test_computed_places_are_listed_after_those_of_the_file(
+    handcart: Callable[..., Said], task: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fitted(model: WorldModel, robot: RobotFile) -> list[Finding]:
+        model.places = {**model.places, "table": model.places["desk"]}
+        return []
+
+    monkeypatch.setattr(WorldModel, "fit", fitted)
+    said = handcart("check", task("desk"))
+    listed = [line for line in said.out.splitlines() if line.startswith("  place ")]
+    assert listed[-1] == "  place table, computed: x 2.00 m, y 3.00 m, heading 0 deg"
+    assert not any("computed" in line for line in listed[:-1])
+    found = json.loads(handcart("check", task("desk"), "--json").out)
+    assert found["computed_places"] == [{"name": "table", "x_m": 2.0, "y_m": 3.0, "heading_deg": 0.0}]
+    assert listed[-1][2:] in handcart("run", "--dry-run", task("desk")).out
 
 
 def test_a_place_that_nothing_drives_to_is_a_warning_alone(task: Callable[..., Path]) -> None:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from handcart.files.stages import begin_stage
 from handcart.tools.main import main
 from handcart.tools.terminal import first_use
 from handcart.tools.terminal.first_use import COMPILING_MESSAGE, announced, first_words
@@ -34,6 +35,19 @@ def test_command_that_takes_long_says_what_it_does(
     with announced("checking my.yaml"):
         assert said.wait(10.0)
     assert capsys.readouterr().err == "checking my.yaml ...\n"
+
+
+def test_stage_that_takes_long_is_said_once(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(first_use, "SILENT_TIME_S", 0.02)
+    with announced("checking my.yaml"):
+        begin_stage("short")
+        for _ in range(2):
+            begin_stage("ways to the places")
+            time.sleep(0.1)
+    begin_stage("afterwards")
+    assert capsys.readouterr().err == "checking my.yaml: ways to the places ...\n"
 
 
 def test_first_words_are_not_said_once_more_is_known(
