@@ -212,11 +212,9 @@ def _tell(summary: dict[str, Any], as_json: bool, progress: Progress) -> None:
 
         print(orjson.dumps(summary).decode(), flush=True)
         return
-    from handcart.tools.terminal.next_steps import next_steps
+    from handcart.tools.terminal.next_steps import ended_words, next_steps
 
-    reason = f": {summary['reason']}" if summary["reason"] else ""
-    ended = f"{summary['outcome']} in situation {summary['situation']}{reason}"
-    print(f"{ended}; see {summary['run_dir']}", flush=True)
+    print(ended_words(summary), flush=True)
     progress.offer(next_steps(summary))
 
 

@@ -52,7 +52,7 @@ def resume(
         from handcart.networks.operator.permits import Permits
         from handcart.networks.run_files.run_names import latest_run
         from handcart.networks.runs.run_options import RunOptions
-        from handcart.tools.terminal.next_steps import next_steps
+        from handcart.tools.terminal.next_steps import ended_words, next_steps
         from handcart.tools.terminal.progress import Progress
 
         run = run or latest_run(Path("runs"))
@@ -77,9 +77,7 @@ def resume(
             if as_json:
                 print(orjson.dumps(summary).decode(), flush=True)
             else:
-                reason = f": {summary['reason']}" if summary["reason"] else ""
-                words = f"{summary['outcome']} in situation {summary['situation']}{reason}; see {run}"
-                print(printable(words), flush=True)
+                print(printable(ended_words({**summary, "run_dir": run})), flush=True)
                 progress.offer(next_steps(summary))
     sys.exit(status)
 

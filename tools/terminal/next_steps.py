@@ -18,6 +18,16 @@ STEPS_BY_OUTCOME = {
 }
 
 
+def ended_words(summary: Mapping[str, Any]) -> str:
+    """Return how a run ended, and its folder, by its summary."""
+    reason = f": {summary['reason']}" if summary["reason"] else ""
+    ended = f"{summary['outcome']} in situation {summary['situation']}{reason}"
+    if summary["outcome"] == "Cancelled":
+        kept = f"the state of the run is kept in {summary['run_dir']}"
+        return f"{ended}; the robot has stopped, {kept}; to resume:"
+    return f"{ended}; see {summary['run_dir']}"
+
+
 def next_steps(summary: Mapping[str, Any]) -> list[str]:
     """Return the next commands, and the run's page, by the summary of a run that has ended."""
     folder = Path(str(summary["run_dir"]))

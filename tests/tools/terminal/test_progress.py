@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from handcart.robotics.numerics.compiled import compiled, hearing_of_compiling
-from handcart.tools.terminal.next_steps import next_steps
+from handcart.tools.terminal.next_steps import ended_words, next_steps
 from handcart.tools.terminal.progress import COMPILING_MESSAGE, Progress
 from tests.tools.conftest import Said
 
@@ -87,6 +87,15 @@ def test_compiling_is_told_once_and_never_of_what_is_compiled_already(
         for again in (added, doubled):
             again(cast(float, np.float32(1.0)))  # of another type: compiled again
     assert capsys.readouterr().err.count(COMPILING_MESSAGE) == 1
+
+
+def test_cancelled_run_says_that_the_robot_stopped_and_how_to_resume() -> None:
+    summary = {"outcome": "Cancelled", "situation": "at_a", "reason": "interrupted", "run_dir": "runs/a-0"}
+    stopped = "the robot has stopped, the state of the run is kept in runs/a-0; to resume:"
+    assert ended_words(summary) == f"Cancelled in situation at_a: interrupted; {stopped}"
+    assert next_steps(summary) == ["handcart resume runs/a-0"]
+    summary |= {"outcome": "Success", "reason": ""}
+    assert ended_words(summary) == "Success in situation at_a; see runs/a-0"
 
 
 @pytest.mark.parametrize(
