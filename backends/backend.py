@@ -35,7 +35,7 @@ class NoBench(InputError):
 
 
 class NotMovable(InputError):
-    """A backend cannot put its robot elsewhere than the world's file says."""
+    """Error: a backend cannot start its robot at another pose than the one in the world's file."""
 
 
 class NoWindow(InputError):
@@ -126,17 +126,17 @@ class Backend(ABC):
     def kinds(cls, robot: RobotFile) -> tuple[type[Capability], ...] | None:
         """Return the robot's capabilities by its file alone: nothing is opened, and no robot is contacted.
 
-        None if only building the backend finds them out; then `handcart check` builds it. A backend that
-        contacts a real robot when it is built must return them.
+        None if the capabilities are known only after the backend was built; then `handcart check` builds it.
+        A backend that contacts a real robot when it is built must return its capabilities.
 
         Raises:
-            InputError: such a robot cannot be built.
+            InputError: the backend cannot build the robot that the file describes.
         """
         return None
 
     @classmethod
     def build_on_bench(cls, robot: RobotFile, world: Path | None, seed: int, bench: type[Backend]) -> Backend:
-        """Build as `build` does, with simulated drives in front of a simulated backend.
+        """Build a bench: simulated drives that obey this backend's commands and move a simulated robot.
 
         Args:
             robot: robot file.
@@ -145,7 +145,7 @@ class Backend(ABC):
             bench: class of the simulated backend whose robot the drives move.
 
         Raises:
-            NoBench: this backend has no drives, or such a bench is impossible.
+            NoBench: this backend has no drives, or they cannot move a robot of the simulated backend.
         """
         raise NoBench(f"the backend {cls.name!r} has no drives; allowed: --bench with --backend can or ros2")
 
@@ -196,8 +196,9 @@ class Backend(ABC):
         return None if truth is None else truth.base
 
     def figures(self) -> Mapping[str, Any]:
-        """Return figures for the run's summary, such as how late periods were; by name, with the unit at its
-        end.
+        """Return figures for the run's summary, such as the delays of control periods.
+
+        A figure's key is its name, which ends with the unit.
         """
         return {}
 

@@ -13,7 +13,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class CommandedArm(Arm):
-    """Arm whose commands are checked against its limits, and sent once a period."""
+    """Base class of arms that check a command against the joints' limits and keep it until the next step."""
 
     _model: ArmModel
     _most: FloatArray
@@ -32,12 +32,12 @@ class CommandedArm(Arm):
         return self._command.copy()
 
     def halt(self) -> None:
-        """Forget a command that has not been sent; hold."""
+        """Discard a command that has not been sent, so that the arm holds the last one sent."""
         self._command = self._sent.copy()
 
 
 class CommandedGripper(Gripper):
-    """Gripper whose command is checked against its opening."""
+    """Base class of grippers that check a commanded width against the largest opening and keep it."""
 
     _spec: GripperSpec
     _command: float

@@ -24,7 +24,7 @@ class Body:
 
 @dataclass(frozen=True)
 class GroundTruth:
-    """Robot and world at one instant."""
+    """True state of robot and world at one instant; only for evaluation."""
 
     base: Pose2
     """2D pose world_T_base."""

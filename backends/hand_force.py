@@ -15,7 +15,7 @@ def force_by_efforts(
 ) -> FloatArray:
     """Return the force of the surroundings on the hand, (3,) in [N], in the hand frame.
 
-    The arm's own weight by the URDF is subtracted; that of a held object stays in the force.
+    The force contains the weight of a held object, but not the weight of the arm by the URDF.
 
     Args:
         model: model of the arm.
@@ -33,7 +33,7 @@ def force_by_efforts(
 
 
 def efforts_of_force(model: ArmModel, joints: FloatArray, force: FloatArray) -> FloatArray:
-    """Return the efforts (n,) in [Nm] or [N] with which the joints carry the arm and a force on the hand.
+    """Return the efforts (n,) in [Nm] or [N] with which the joints balance the arm's weight and a hand force.
 
     Args:
         model: model of the arm.

@@ -18,8 +18,7 @@ _ROUNDING = 1e-9
 
 
 def checked_drive(drive: Drive, speed: float, turn_rate: float) -> tuple[float, float]:
-    """Return a forward speed in [m/s] and a turn rate to the left in [rad/s] unchanged if they are within the
-    robot's limits.
+    """Check a forward speed in [m/s] and a turn rate to the left in [rad/s], and return them unchanged.
 
     Raises:
         CommandError: a value isn't finite or beyond a limit.
@@ -29,7 +28,7 @@ def checked_drive(drive: Drive, speed: float, turn_rate: float) -> tuple[float, 
 
 
 def checked_command(drive: Drive, speed: float, turn_rate: float, sideways: float = 0.0) -> DriveCommand:
-    """Return the command of unchanged speeds if they are within the robot's limits.
+    """Check the speeds of a base against the robot's limits, and return them as a command.
 
     Args:
         drive: drive of the robot's file.
@@ -69,7 +68,7 @@ def _check_sideways(drive: Drive, speed: float, sideways: float) -> None:
 
 
 def checked_joints(model: ArmModel, joints: FloatArray, last: FloatArray, most: FloatArray) -> FloatArray:
-    """Return the commanded joints (n,), in [rad] or [m], unchanged if they are within the limits.
+    """Check commanded joints (n,), in [rad] or [m], against the limits, and return them unchanged.
 
     Args:
         model: model of the arm.
@@ -120,7 +119,7 @@ def _units(model: ArmModel, number: int) -> tuple[float, str]:
 
 
 def checked_width(gripper: GripperSpec, width: float) -> float:
-    """Return an opening in [m] unchanged if it is in the gripper's range; otherwise raise `CommandError`."""
+    """Check a commanded opening in [m], and return it unchanged; raise `CommandError` outside the range."""
     opening = gripper.opening_mm / 1e3
     if not 0.0 <= width <= opening + _ROUNDING:
         raise CommandError(f"a width of {width} m; allowed: 0 to {opening}")

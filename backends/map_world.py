@@ -18,10 +18,11 @@ from handcart.robotics.navigation.maps.grid_map import UNKNOWN_GREY, GridMap
 
 @contextmanager
 def as_world_file(path: Path, start: Pose2) -> Iterator[Path]:
-    """Yield a world's file as it is, or for a map a temporary world file that lasts as long as the context.
+    """Yield the path of a world's file; for a map, that of a temporary world's file, deleted after the
+    context.
 
-    The map's world holds everything occupied on the map, and the robot at `start` (world_T_base). For
-    backends that read files themselves; see `Backend.read_world`.
+    The temporary world contains all occupied cells of the map, and the robot at `start` (world_T_base). This
+    function is for backends that read files themselves; see `Backend.read_world`.
 
     Raises:
         FileError: the file, or the picture of a map, cannot be read.

@@ -42,7 +42,15 @@ class _Codec(NamedTuple):
 
 
 def attributes(thing: object, kinds: Kinds) -> dict[str, Any]:
-    """Return some attributes of an object as plain data, by name; `kinds` has their names and types."""
+    """Return some attributes of an object for a checkpoint, as plain data: numbers, texts, lists and so on.
+
+    Args:
+        thing: object whose attributes are returned.
+        kinds: names of the attributes, each with the type of its values.
+
+    Returns:
+        Plain data by name of the attribute.
+    """
     return {name: _codec(kind).write(getattr(thing, name)) for name, kind in kinds.items()}
 
 
@@ -69,7 +77,7 @@ def set_attributes(thing: object, kinds: Kinds, values: object) -> None:
 
 
 def from_plain(data: object, kind: Any, name: str) -> Any:
-    """Return a value of a declared type from plain data.
+    """Return the value that `to_plain` converted to plain data.
 
     Args:
         data: result of `to_plain`.
@@ -77,7 +85,7 @@ def from_plain(data: object, kind: Any, name: str) -> Any:
         name: name of the value in messages.
 
     Raises:
-        NotAState: the data are not such a value.
+        NotAState: the data do not describe a value of this type.
     """
     try:
         return _codec(kind).read(data)
@@ -87,7 +95,7 @@ def from_plain(data: object, kind: Any, name: str) -> Any:
 
 
 def to_plain(value: object, kind: Any) -> Any:
-    """Return a value of the declared type `kind` as plain data."""
+    """Convert a value of the type `kind` to plain data (numbers, texts, lists ...) for a checkpoint."""
     return _codec(kind).write(value)
 
 

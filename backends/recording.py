@@ -16,22 +16,25 @@ class Recording(ABC):
 
     @abstractmethod
     def open(self, folder: Path) -> None:
-        """Record all traffic into a folder, including the traffic before this call."""
+        """Start to write the traffic into a folder, beginning with the traffic before this call."""
 
     @abstractmethod
     def look(self, time: float) -> None:
         """Record the traffic of a period that ended at `time`, in [s] of the robot's clock.
 
-        The data are handed to the operating system, so that a killed process loses none of them.
+        The data are flushed to the operating system, so that nothing is lost if the process is killed.
         """
 
     @abstractmethod
     def mark(self) -> None:
-        """Remember the last seconds of traffic; the next `keep` writes them, too."""
+        """Mark the last seconds of traffic, for example at a fault; the next call of `keep` writes them."""
 
     @abstractmethod
     def keep(self, stem: Path) -> None:
-        """Write the last seconds, and those before `mark`, into a file whose name begins with `stem`."""
+        """Write an extract of the traffic into a file whose name begins with `stem`.
+
+        The extract consists of the last seconds before this call, and those before the last `mark`.
+        """
 
     @abstractmethod
     def close(self) -> None:

@@ -34,7 +34,7 @@ DEFAULT_START = Pose2(0.0, 0.0, 0.0)
 
 
 class UnknownBackend(InputError, KeyError):
-    """No backend has that name."""
+    """Error: no backend has the requested name."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -46,7 +46,7 @@ class UnknownBackend(InputError, KeyError):
 
 
 class MissingLibrary(InputError):
-    """A package isn't installed that a backend needs."""
+    """Error: a Python package that a backend needs is not installed."""
 
     def __init__(self, backend: str, missing: ImportError) -> None:
         extra = extra_of(missing)
@@ -94,7 +94,7 @@ def make_backend(
         NotMovable: the backend cannot put the robot elsewhere than the world's file states.
         FileError: the world's file is missing or invalid.
         NoWindow: the backend has no window.
-        NoBench: the backend has no drives, or such a bench is impossible.
+        NoBench: the backend has no drives, or `bench` is not a simulated backend.
     """
     kind = backend_class(name)
     build: Callable[..., Backend] = kind.build_in_window if window else kind.build
@@ -142,10 +142,10 @@ def check_world(
     """Read a world's file and check it against the robot; build nothing.
 
     Args:
-        world: file of the world; a map, from which a world is made, is only read.
+        world: file of the world, or a map from which a world is made; a map is only read.
         robot: robot file.
-        initial_pose: map_T_base as the robot is given it; None if it is given none.
-        grid: map that the robot is given, if any.
+        initial_pose: map_T_base that the robot is given at the start; None if it is given no pose.
+        grid: map that the robot is given; None if it is given no map.
 
     Raises:
         FileError: lists all errors.
@@ -162,7 +162,16 @@ def check_world(
 
 
 def backend_class(name: str) -> type[Backend]:
-    """Return the class of a backend; raises `UnknownBackend`, `BrokenPlugin` or `MissingLibrary`."""
+    """Return the class of a backend.
+
+    Args:
+        name: one of `backend_names()`.
+
+    Raises:
+        UnknownBackend: no backend has this name.
+        BrokenPlugin: a backend of another package cannot be used.
+        MissingLibrary: a package that the backend needs is not installed.
+    """
     if name not in _all():
         raise UnknownBackend(name)
     check_name(name, ENTRY_POINT_GROUP, SHIPPED_BACKENDS)

@@ -19,12 +19,12 @@ MIN_REPORTING_JOINTS = 3  # whose torques are known, so that all directions of a
 
 
 class CanArm(CommandedArm):
-    """Joints whose drives plan ramps to their set-points (profile), or follow them from SYNC to SYNC
-    (cyclic).
+    """Arm with a CiA 402 drive for each joint.
 
-    The force of the surroundings on the hand follows from the joints' torques (6077h), less the arm's own
-    weight by the URDF. The weight of a held object stays in the force. Joints whose drives report no torque
-    are excluded; if none does, the force is zero.
+    In a profile mode a drive plans a ramp to its set-point; in a cyclic mode it gets a new set-point with
+    each SYNC. The force on the hand is computed from the joints' torques (6077h), minus those of the arm's
+    own weight by the URDF; the weight of a held object remains in it. Joints whose drives report no torque
+    are excluded; if no drive reports torque, the force is zero.
     """
 
     def __init__(self, model: ArmModel, joints: Sequence[Axis], rated: FloatArray, period: float) -> None:
@@ -43,8 +43,8 @@ class CanArm(CommandedArm):
     def begin(self) -> None:
         """Set the measured positions as set-points, before the drives are enabled.
 
-        A joint that rests at its limit is often read slightly beyond it: it is set to the limit if that is
-        no further than its motion in one period.
+        A joint that rests at its limit is often read slightly beyond it. Its set-point is then the limit, if
+        the joint can reach the limit in one control period.
         """
         measured = self.joints()
         within = self._model.clipped(measured)
@@ -76,6 +76,6 @@ class CanForceArm(CanArm, ForceArm):
 
 
 def kind_of_arm(joints: Sequence[AxisSpec]) -> type[CanArm]:
-    """Return the class of an arm with these drives: `CanForceArm` if they measure the force on the hand."""
+    """Return the class of an arm: `CanForceArm` if three joints or more report torque, otherwise `CanArm`."""
     reporting = sum("torque" not in joint.without for joint in joints)
     return CanForceArm if reporting >= MIN_REPORTING_JOINTS else CanArm

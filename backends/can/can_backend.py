@@ -42,15 +42,15 @@ class CanBackend(Backend):
     The constructor writes all settings of all drives and reads them back; no drive has torque. The first
     step enables them. A step sends our heartbeat and the commands by PDO, waits for the end of the period,
     sends a SYNC, and receives the drives' answers. Any fault of a drive or the bus stops all axes, each
-    with its own kind of stop, and ends the step with a `CanFault`; every further step raises the same one,
-    until a person has looked and a new backend is built.
+    with its own kind of stop, and ends the step with a `CanFault`; every further step raises the same error,
+    until a new backend is built.
 
-    On a bench (the interface `virtual`, or `build_on_bench`) the drives are simulated in this process, in
-    front of a simulated backend: a period passes with each step, no clock is read, and the same seed gives
-    the same run. Sensors that are not on the bus are that backend's. Otherwise drives are expected on the
-    bus, and a step lasts a period of the wall clock. Long computing doesn't stop that loop
-    (`Robot.compute` uses a thread); if anything stops it for longer than the drives' heartbeat time, they
-    stop.
+    On a bench (the interface `virtual`, or `build_on_bench`) the drives are simulated in this process, and
+    they move the robot of a simulated backend: each step advances the simulation by one period, no clock is
+    read, and the same seed gives the same run. Sensors that are not on the bus are those of the simulated
+    backend. Without a bench, drives are expected on the bus, and a step lasts one period of the wall clock.
+    Long computations run in a thread (`Robot.compute`) and do not delay the steps. If the steps pause for
+    longer than the drives' heartbeat time, the drives stop.
     """
 
     name = "can"
@@ -245,7 +245,7 @@ class CanBackend(Backend):
             self.axes.send()
 
     def close(self) -> None:
-        """Stop all axes, each in its own way, and release all resources; a second call does nothing."""
+        """Stop all axes as the robot's file states, and release all resources; a second call does nothing."""
         if self._closed:
             return
         self._closed = True

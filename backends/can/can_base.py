@@ -39,7 +39,7 @@ class CanBase(Base):
         self._command = (0.0, 0.0)
 
     def pass_on(self) -> None:
-        """Send the command to the drives, or zero without one: a command is valid for one period."""
+        """Send the command of this period to the drives; without a new command, send zero speed."""
         (left, right), self._command = self._command, (0.0, 0.0)
         self._left.command(left)
         self._right.command(right)

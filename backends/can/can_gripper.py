@@ -15,10 +15,10 @@ _AWAY = 1e-3  # [m]
 
 
 class CanGripper(CommandedGripper):
-    """Fingers whose drive moves to a width with limited torque: stopped by an object, they press.
+    """Gripper with one CiA 402 drive, which moves the fingers to a width with limited torque.
 
-    Pressing is detected by torque (6077h) at rest; without a reported torque, by fingers that rest away
-    from their expected position.
+    Fingers that an object stops keep pressing on it. Pressing is detected by a torque (6077h) at rest, or, if
+    the drive reports no torque, by fingers that rest wider than expected.
     """
 
     def __init__(self, spec: GripperSpec, axis: Axis) -> None:
@@ -27,7 +27,7 @@ class CanGripper(CommandedGripper):
         self._command = 0.0
 
     def begin(self) -> None:
-        """Take the measured width as the command, before the drive is enabled."""
+        """Set the commanded width to the measured one, before the drive is enabled."""
         self._command = min(max(0.0, self._axis.position), self._spec.opening_mm / 1e3)
 
     def holds(self, width: float) -> None:

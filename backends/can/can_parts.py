@@ -25,7 +25,7 @@ from .can_gripper import CanGripper
 
 
 class CanParts:
-    """The capabilities that drives provide."""
+    """Base, arm and gripper of a robot with CAN drives, and the commands to them."""
 
     def __init__(self, robot: RobotFile, spec: CanSpec, axes: Axes) -> None:
         """Build the capabilities that a robot's file declares."""
@@ -45,7 +45,7 @@ class CanParts:
         return tuple(item for item in (self.base, self.arm, self.gripper) if item is not None)
 
     def begin(self) -> None:
-        """Prepare for the drives being enabled."""
+        """Set the measured positions of arm and gripper as set-points, before the drives are enabled."""
         for item in (self.arm, self.gripper):
             if item is not None:
                 item.begin()
@@ -78,7 +78,7 @@ class CanParts:
 
     @property
     def opening(self) -> float | None:
-        """The gripper's command, in [m]; None without a gripper."""
+        """Last commanded opening of the gripper, in [m]; None without a gripper."""
         return None if self.gripper is None else self.gripper.command()
 
     @opening.setter

@@ -24,7 +24,7 @@ class WheelTravel(NamedTuple):
     """
 
     def away(self, other: WheelTravel) -> float:
-        """Return the largest change of the three distances since `other`, as an absolute value in [m]."""
+        """Return the largest of the absolute differences of left, right and sideways to `other`, in [m]."""
         return max(
             abs(self.left - other.left), abs(self.right - other.right), abs(self.sideways - other.sideways)
         )
@@ -55,11 +55,10 @@ class DriveCommand(NamedTuple):
 
     @classmethod
     def towards(cls, direction: float, along: float, turn_rate: float) -> Self:
-        """Return the command of a speed `along` in [m/s] in a direction in the base frame, and of a turn
-        rate.
+        """Return the command to drive in a direction of the base frame while turning.
 
         Args:
-            direction: in [rad], counter-clockwise from straight ahead.
+            direction: direction of travel, in [rad], counter-clockwise from straight ahead.
             along: speed in that direction, in [m/s].
             turn_rate: to the left, in [rad/s].
         """

@@ -11,7 +11,7 @@ from .capability import Capability, Reading
 
 
 class BeaconRanges(NamedTuple):
-    """Distances of the beacons from the tag, the robot's own radio."""
+    """Measured distances between the beacons and the robot's own radio, the tag."""
 
     distances: FloatArray
     """Distances (k,) in [m], in the order of the beacons in the robot's file; NaN for a beacon that wasn't

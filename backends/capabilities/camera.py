@@ -62,9 +62,9 @@ class Camera(AnyCamera):
 
 
 def camera_of_kind(capabilities: Iterable[Capability], kind: type[CapabilityT]) -> CapabilityT | None:
-    """Return the camera of a kind that is on the hand; of `AnyCamera`, the first other one if none is.
+    """Return the camera of class `kind` on the hand; None if there is none.
 
-    None if there is no such camera.
+    For `AnyCamera`, return the first camera elsewhere on the robot if the hand has none.
     """
     cameras = [capability for capability in capabilities if isinstance(capability, kind)]
     on_hand = next((camera for camera in cameras if getattr(camera, "carrier", "") == HAND_LINK), None)
@@ -74,7 +74,8 @@ def camera_of_kind(capabilities: Iterable[Capability], kind: type[CapabilityT]) 
 def usable_kinds(capabilities: Iterable[Capability]) -> list[type[Capability]]:
     """Return the classes of capabilities that primitives can require.
 
-    A camera elsewhere than on the hand counts as `AnyCamera`; other such sensors are skipped.
+    A camera that is not on the hand appears as `AnyCamera`; other sensors on a link that is not the hand are
+    skipped.
     """
     kinds: list[type[Capability]] = []
     for capability in capabilities:

@@ -9,7 +9,7 @@ from typing import ClassVar, NamedTuple
 
 
 class Reading(NamedTuple):
-    """Declaration of a method that reads a sensor: the sensor's name, its measured fields, its noise."""
+    """Declaration of a capability's method that reads a sensor, for recording and for injected faults."""
 
     sensor: str
     """Name of the sensor in faults; two methods may belong to one sensor."""
@@ -37,5 +37,5 @@ class Capability(ABC):  # noqa: B024  what it can do is abstract in each kind
 
     @classmethod
     def words(cls) -> str:
-        """Return the capability's name in messages: `RangeSensor` is "range sensor"."""
+        """Return the name of the capability for messages, such as "range sensor" for `RangeSensor`."""
         return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", " ", cls.__name__).lower()

@@ -15,7 +15,7 @@ from .capability import Capability, Reading
 
 
 class DepthImage(NamedTuple):
-    """Colour and depth of one instant, with the pose of the camera at that instant."""
+    """Colour and depth picture taken at one instant, with the camera's pose at that instant."""
 
     colour: ByteArray
     """Colours (height, width, 3) in RGB, 0 to 255."""
@@ -52,4 +52,4 @@ class DepthCamera(Capability):
     @property
     @abstractmethod
     def model(self) -> CameraModel:
-        """Intrinsics of both pictures."""
+        """Camera model (intrinsics) that applies to the colour picture and the depth picture."""

@@ -11,7 +11,7 @@ from .capability import Capability, Reading
 
 
 class Fix(NamedTuple):
-    """A position of the antenna."""
+    """A satellite receiver's measurement of its antenna's position."""
 
     position: FloatArray
     """Antenna position (2,), east and north of the task's origin, in [m]."""
@@ -26,4 +26,4 @@ class Gps(Capability):
 
     @abstractmethod
     def fix(self) -> Fix | None:
-        """Return the fix that came in during this period; None where none did."""
+        """Return the fix that arrived during this period; None if none arrived."""

@@ -25,5 +25,5 @@ class Imu(Capability):
     def accelerations(self) -> FloatArray:
         """Return the accelerometers' reading (3,) along the IMU's axes, in [m/s²].
 
-        At rest and level it is gravity's +9.81 along z.
+        For an IMU at rest and level, the reading is (0, 0, +9.81).
         """

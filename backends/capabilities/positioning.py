@@ -11,7 +11,7 @@ from .capability import Capability, Reading
 
 
 class PoseReading(NamedTuple):
-    """Pose of the base, measured from outside."""
+    """Pose of the base, measured by an indoor positioning system."""
 
     number: int
     """Readings so far, from 1: another number is another reading."""
@@ -22,7 +22,7 @@ class PoseReading(NamedTuple):
 
 
 class Positioning(Capability):
-    """An indoor positioning system: laser trackers, cameras on the ceiling. It is aligned with the map."""
+    """Indoor positioning system, such as laser trackers or ceiling cameras, which measures map_T_base."""
 
     READINGS: ClassVar = {"reading": Reading("positioning")}
 

@@ -26,7 +26,7 @@ class RangeSensor(Capability):
     def scan_later(self) -> Callable[[], Scan]:
         """Return a function that returns this period's scan whenever it is called.
 
-        For callers that may not need it: a simulation can delay its computation.
+        If a caller may not need the scan, a simulation can compute it only when the function is called.
         """
         scan = self.scan()
         return lambda: scan

@@ -16,7 +16,7 @@ Squares = Annotated[int, Field(ge=3, le=50)]
 
 
 class BoardLayout(FileModel):
-    """A chessboard, or one with tags in its white squares (ChArUco)."""
+    """Layout of a camera calibration board: a chessboard, or a ChArUco board (tags in the white squares)."""
 
     pattern: Literal["charuco", "chessboard"] = "charuco"
     columns: Squares = 9
@@ -36,7 +36,11 @@ class BoardLayout(FileModel):
         return self
 
     def board(self, square_mm: float) -> CalibrationBoard:
-        """Return the board with squares of that side; raises ValueError where its tags don't fit."""
+        """Return the calibration board with squares of side `square_mm`.
+
+        Raises:
+            ValueError: the tags do not fit into the squares.
+        """
         square = square_mm / 1e3
         if self.pattern == "chessboard":
             return Chessboard(self.columns, self.rows, square)

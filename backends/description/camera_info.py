@@ -32,7 +32,7 @@ COEFFICIENT_COUNTS = {
 
 
 class Matrix(FileModel):
-    """A matrix, row by row."""
+    """A matrix in a ROS `camera_info` file; `data` holds its values row by row."""
 
     model_config = ConfigDict(extra="ignore")
 
@@ -40,7 +40,10 @@ class Matrix(FileModel):
 
 
 class CameraInfo(FileModel):
-    """Content of a ROS `camera_info` file, as far as it describes the projection; other keys are skipped."""
+    """Camera calibration in a ROS `camera_info` file: picture size, camera matrix and distortion.
+
+    Other keys of the file are skipped.
+    """
 
     model_config = ConfigDict(extra="ignore")
 
@@ -134,5 +137,9 @@ def _lens_fault(camera: CameraModel) -> str:
 
 
 def load_camera_info(path: Path) -> CameraInfo:
-    """Read a camera_info file; raises `FileError` with every finding."""
+    """Read a ROS `camera_info` file.
+
+    Raises:
+        FileError: the file is missing or invalid; the error lists all findings.
+    """
     return load(path, CameraInfo)

@@ -16,7 +16,7 @@ Stale = Annotated[float, Field(gt=0.0, le=10_000.0)]
 
 
 class CameraSource(FileModel):
-    """Source of pictures, read by OpenCV's VideoCapture."""
+    """Source of a camera's pictures (device, URL or file), read by OpenCV's VideoCapture."""
 
     source: Annotated[int, Field(ge=0, le=99)] | Annotated[str, Field(min_length=1, max_length=500)]
     """A device's number, a URL, or a file with a video or a picture."""
@@ -24,7 +24,7 @@ class CameraSource(FileModel):
 
 
 class LineSource(FileModel):
-    """A sensor that speaks the line protocol of docs/how_to/hardware.md."""
+    """Port of a lidar or IMU that sends its readings by the line protocol of docs/how_to/hardware.md."""
 
     port: Port
     baud: Baud = 115_200
@@ -32,7 +32,7 @@ class LineSource(FileModel):
 
 
 class GpsSource(FileModel):
-    """A receiver that speaks NMEA 0183."""
+    """Port and accuracy of a satellite receiver that sends NMEA 0183 sentences."""
 
     port: Port
     baud: Baud = 9600
@@ -52,7 +52,10 @@ class GpsSource(FileModel):
 
 
 class SensorsSpec(FileModel):
-    """Connected sensors; the sections `camera`, `gps` and others of the file describe their measurements."""
+    """Connections of the sensors that are not on the CAN bus (key `sensors` of the section `can`).
+
+    What the sensors measure is described in the robot file's sections `camera`, `gps` and others.
+    """
 
     camera: CameraSource | None = None
     range_sensor: LineSource | None = None

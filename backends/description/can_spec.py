@@ -40,7 +40,7 @@ without them.
 
 
 class AxisSpec(FileModel):
-    """A CiA 402 drive and the part that it turns."""
+    """Description of a CiA 402 drive, in a robot's file: node, encoder, gear, stop and safety features."""
 
     node: NodeId
     """Node ID of the drive."""
@@ -71,12 +71,12 @@ class AxisSpec(FileModel):
 
     @property
     def counts_per_turn(self) -> float:
-        """Counts for a turn of the driven part, with the sign of the robot's file."""
+        """Encoder counts for one turn of the driven part, negative if `sign` in the robot's file is -1."""
         return self.sign * self.counts_per_rev * self.gear_ratio
 
 
 class WheelDriveSpec(AxisSpec):
-    """CiA 402 drive of a wheel."""
+    """Description of the CiA 402 drive of a wheel, in a robot's file."""
 
     mode: Literal["profile", "csv"] = "profile"
     """`profile`: the drive plans its ramps (mode 3); `csv`: it takes a velocity each period (mode 9)."""
@@ -86,12 +86,12 @@ class WheelDriveSpec(AxisSpec):
     """Maximum difference between the rim's travel and its demand within half a second."""
 
     def counts_per_m(self, radius: float) -> float:
-        """Return the counts per metre that a wheel of this radius, in [m], rolls forward."""
+        """Return the encoder counts per metre of forward travel of a wheel with a `radius` in [m]."""
         return self.counts_per_turn / (2.0 * math.pi * radius)
 
 
 class JointDriveSpec(AxisSpec):
-    """The drive of a joint of the arm."""
+    """Description of the CiA 402 drive of an arm's joint, in a robot's file."""
 
     mode: Literal["profile", "csp"] = "profile"
     """`profile`: the drive plans its ramps (mode 1); `csp`: it takes a position each period (mode 8)."""
@@ -117,8 +117,8 @@ class JointDriveSpec(AxisSpec):
 
     @property
     def counts_per_unit(self) -> float:
-        """Counts for a radian of the joint, or for a metre of a sliding one, with the sign of the robot's
-        file.
+        """Encoder counts for a radian of the joint, or a metre of a sliding joint; negative if `sign` in the
+        robot's file is -1.
         """
         turn = 2.0 * math.pi if self.lead_mm is None else self.lead_mm / 1e3
         return self.counts_per_turn / turn
@@ -135,7 +135,10 @@ class JointDriveSpec(AxisSpec):
 
 
 class GripperDriveSpec(AxisSpec):
-    """The drive of the fingers. It may be blocked: it has no following error, its torque is limited."""
+    """Description of the CiA 402 drive of a gripper's fingers, in a robot's file.
+
+    An object may block the drive: its torque is limited, and its following error is not supervised.
+    """
 
     mode: Literal["profile"] = "profile"
     lead_mm: Positive
@@ -154,7 +157,7 @@ class GripperDriveSpec(AxisSpec):
 
 
 class CanSpec(FileModel):
-    """A CAN interface with a drive for each wheel, joint, and the gripper."""
+    """Section `can` of a robot's file: the CAN interface, and the drives of wheels, joints and gripper."""
 
     interface: str
     """Name of the python-can interface: socketcan, pcan, ...; `virtual` is for simulated drives."""

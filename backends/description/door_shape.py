@@ -38,7 +38,7 @@ class DoorTag(FileModel):
         return self
 
     def on_door(self, standoff: float) -> Transform:
-        """Return handle_T_tag (4, 4).
+        """Return the pose of the tag in the handle frame, handle_T_tag (4, 4).
 
         Handle frame: x away from the closed door, y to the right for somebody in front of it, z up. Tag
         frame: x right, y up, z out of the front.
@@ -51,7 +51,9 @@ class DoorTag(FileModel):
 
 
 class DoorHandle(FileModel):
-    """A round bar before a door, and the pose of its middle while the door is closed."""
+    """Handle of a door: a round bar in front of the door, and the bar's pose on the map while the door is
+    closed.
+    """
 
     x_m: float
     y_m: float
@@ -120,17 +122,17 @@ class DoorShape(FileModel):
 
     @property
     def is_hinged(self) -> bool:
-        """True for a hinge, False for a slide."""
+        """True if the door turns about a hinge, False if it is a drawer that slides."""
         return self.motion == "hinged"
 
     @property
     def travel(self) -> float:
-        """Opening at the stop, in [rad] or [m]."""
+        """Opening of the door at its stop, in [rad], or of a drawer in [m]."""
         return math.radians(self.travel_deg) if self.is_hinged else self.travel_mm / 1e3
 
     @property
     def opened(self) -> float:
-        """Opening at the start, in [rad] or [m]."""
+        """Opening of the door at the start of a run, in [rad], or of a drawer in [m]."""
         return math.radians(self.opened_deg) if self.is_hinged else self.opened_mm / 1e3
 
     def joint(self, closed: Transform, radius: float) -> DoorJoint:

@@ -16,7 +16,7 @@ ALL_DRIVE_KINDS = frozenset(get_args(DriveKind))
 
 
 class Drive(FileModel):
-    """Driven wheels: two sides, the rear ones of a car, or wheels that drive in any direction."""
+    """Description of the base's drive, in a robot's file: kind, wheels, limits of speed and acceleration."""
 
     kind: DriveKind = "differential"
     """`differential`: two sides that turn at different speeds, with one wheel or several each (skid
@@ -51,14 +51,14 @@ class Drive(FileModel):
 
     @property
     def lateral_acceleration(self) -> float:
-        """Maximum of speed times turn rate, in [m/s²]."""
+        """Largest allowed lateral acceleration, the product of speed and turn rate, in [m/s²]."""
         if self.lateral_acceleration_m_s2 is not None:
             return self.lateral_acceleration_m_s2
         return min(max(self.acceleration_m_s2, 1.0), 2.0)
 
     @property
     def limits(self) -> DriveLimits:
-        """Limits of speeds and accelerations."""
+        """Limits of the base's speeds and accelerations, in SI units."""
         return DriveLimits(
             self.top_speed_m_s,
             math.radians(self.top_turn_deg_s),

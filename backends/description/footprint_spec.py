@@ -21,7 +21,10 @@ ALLOWED_CORNERS = "allowed: three or more [x, y] in order around the base, in m"
 
 
 class FootprintSpec(FileModel):
-    """Outline of base, arm in its travelling posture, and load, in the frame `base`; one of its keys."""
+    """Outline, in the base frame, of base, load, and arm in its travelling posture.
+
+    Exactly one of the keys is given: a disc, a rectangle or a polygon.
+    """
 
     radius_m: Positive | None = None
     """Radius of a disc around the origin of `base`."""
@@ -64,7 +67,7 @@ class FootprintSpec(FileModel):
 
 
 class OutlinedFile(FileModel):
-    """File of a robot with a footprint."""
+    """Base class of files that describe a robot's footprint, by a radius or by a `FootprintSpec`."""
 
     footprint_radius_m: Annotated[float, Field(ge=0.0)] = 0.0
     """Radius of the circle around the base's centre that contains base, arm in its travelling posture, and

@@ -20,9 +20,10 @@ OUTDOOR_LOCALIZERS = ("gyro", "particle", "gps_filter", "beacons")
 
 
 class GroundSpec(FileModel):
-    """Sigmas of rough ground, true ones in a world's file, assumed ones in a robot's file.
+    """Model of rough ground: standard deviations (sigmas) of tilt, wheel slip and side slip.
 
-    The defaults are one set with which the field test of Ohki et al. (2012) comes out as printed
+    A world's file states the true values, a robot's file the assumed ones. With the defaults, the simulated
+    field test of Ohki et al. (2012) reproduces the published results
     (`handcart.robotics.navigation.outdoors.field_noise.REFERENCE_NOISE`).
     """
 
@@ -53,7 +54,7 @@ class GroundSpec(FileModel):
 
 
 class GpsSpec(MountedSensorSpec):
-    """A satellite receiver; its frame in the URDF is that of its antenna."""
+    """A satellite receiver and the errors of its fixes; its frame in the URDF is that of its antenna."""
 
     kind: Literal["gps"] = "gps"
 

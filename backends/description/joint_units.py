@@ -8,7 +8,10 @@ from typing import NamedTuple
 
 
 class JointUnits(NamedTuple):
-    """Units of an arm's joints for people, [deg] or [mm]; programs have [rad] and [m]."""
+    """Conversion of an arm's joint values between [rad] or [m] and the units in files and messages.
+
+    The units in files and messages are [deg] for turning joints and [mm] for sliding joints.
+    """
 
     names: tuple[str, ...]
     slides: tuple[bool, ...]
@@ -17,8 +20,9 @@ class JointUnits(NamedTuple):
     """True for each continuous joint: a full turn makes no difference to it."""
 
     def si(self, values: Sequence[float]) -> tuple[float, ...]:
-        """Return joint values in [rad] and [m] from those in [deg] and [mm]; continuous joints are wrapped to
-        half a turn either way.
+        """Return joint values, given in [deg] and [mm], in [rad] and [m].
+
+        Continuous joints are wrapped to ±pi.
         """
         both = zip(values, self.slides, self.endless, strict=True)
         return tuple(
@@ -27,11 +31,11 @@ class JointUnits(NamedTuple):
         )
 
     def user_units(self, values: Sequence[float]) -> tuple[float, ...]:
-        """Return joint values in [deg] and [mm] from those in [rad] and [m]."""
+        """Return joint values, given in [rad] and [m], in [deg] and [mm]."""
         return tuple(self.user_value(joint, value) for joint, value in enumerate(values))
 
     def user_value(self, joint: int, value: float) -> float:
-        """Return the value of one joint in the unit for people, [deg] or [mm].
+        """Return the value of one joint in [deg], or in [mm] for a sliding joint.
 
         Args:
             joint: index of the joint, from 0.
@@ -40,11 +44,11 @@ class JointUnits(NamedTuple):
         return 1e3 * value if self.slides[joint] else math.degrees(value)
 
     def unit(self, joint: int) -> str:
-        """Return the unit for people of the joint with an index, from 0: deg or mm."""
+        """Return "mm" if the joint with the index `joint` (from 0) slides, otherwise "deg"."""
         return "mm" if self.slides[joint] else "deg"
 
     def words(self, joint: int, value: float, digits: int = 1) -> str:
-        """Return a joint's value as text in the unit for people, such as `12.5 deg`.
+        """Return a joint's value as text in [deg] or [mm], such as `12.5 deg`.
 
         Args:
             joint: index of the joint, from 0.

@@ -22,7 +22,9 @@ FINGER_LINKS = ("left_finger", "right_finger")
 
 
 def mount_findings(robot: RobotFile, urdf: str, document: Document) -> Iterator[Finding]:
-    """Yield findings on sensors whose pose on the base is unknown, and on a tray that moves against the base.
+    """Yield findings on sensors whose pose on the base is unknown, and on a tray that can move on the base.
+
+    A sensor's pose is unknown if a joint between base and sensor moves without being measured.
 
     Args:
         robot: robot file.

@@ -61,9 +61,15 @@ class PrintedTag(FileModel):
         return self.side_mm / 1e3
 
     def fits(self, size_mm: tuple[float, float, float], is_round: bool = False) -> bool:
-        """Return whether the tag lies within its side of a box of that size.
+        """Return True if the tag lies within the side of the box on which it is printed.
 
-        On a cylinder it must lie within a square on its top or foot: on the curved side it would be bent.
+        On a cylinder it must lie within the largest square on the top or the foot: on the curved side it
+            would
+        be bent.
+
+        Args:
+            size_mm: size of the box along its x, y and z, in [mm].
+            is_round: True for a cylinder that has the box's size.
         """
         if is_round:
             within = size_mm[0] * math.sqrt(0.5)
@@ -74,7 +80,7 @@ class PrintedTag(FileModel):
         return abs(self.x_mm) + half <= size_mm[along] / 2 and abs(self.y_mm) + half <= size_mm[up] / 2
 
     def on_box(self, size: tuple[float, float, float]) -> Transform:
-        """Return box_T_tag (4, 4).
+        """Return the pose of the tag in the box frame, box_T_tag (4, 4).
 
         Box frame: origin in the middle of the box's foot, axes along its sides. Tag frame: origin in the
         tag's middle, x right, y up, z out of the box.

@@ -21,7 +21,7 @@ ROUNDING_DEG = 1e-6  # [deg]
 
 
 class RangeSpec(MountedSensorSpec):
-    """A lidar, its plane parallel to the floor."""
+    """A lidar whose scanning plane is parallel to the floor: beams, range, masked sectors and noise."""
 
     kind: Literal["lidar"] = "lidar"
 

@@ -48,7 +48,7 @@ NotNegative = Annotated[float, Field(ge=0.0)]
 
 
 class ArmSpec(FileModel):
-    """The arm's joints and its named postures."""
+    """Description of an arm, in a robot's file: joints, limits, accuracy and named postures."""
 
     joints: tuple[str, ...]
     """Names of the arm's joints in the URDF, from the shoulder to the hand."""
@@ -83,7 +83,7 @@ class GripperSpec(FileModel):
 
 
 class ToolSpec(FileModel):
-    """A tool at the URDF's frame `hand`, pointing along its x: a torch, say."""
+    """A tool in the hand, such as a torch; it points along the x axis of the URDF's frame `hand`."""
 
     free: Literal["nothing", "azimuth", "roll"] = "roll"
     """The turn that the work leaves free: about the vertical (arms without wrist yaw), or about the tool."""
@@ -96,7 +96,10 @@ class ToolSpec(FileModel):
 
 
 class SuspensionSpec(FileModel):
-    """Motion of the base under the arm's load: identified (`tasks/calibrate_suspension`), not simulated."""
+    """Tilt and turn of the base under the arm's load, as measured by `tasks/calibrate_suspension`.
+
+    The values correct poses; a simulation does not reproduce them.
+    """
 
     yaw_mrad_per_swing: float = 0.0
     """Turn of the base to the left with each swing, which is a motion of the loaded arm by at least
@@ -115,7 +118,7 @@ class SuspensionSpec(FileModel):
 
     @property
     def model(self) -> SuspensionModel:
-        """Return the model in SI units."""
+        """Model of the base's tilt and turn, in SI units."""
         return SuspensionModel(
             self.yaw_mrad_per_swing / 1e3,
             self.roll_mrad_per_m / 1e3,
@@ -125,7 +128,7 @@ class SuspensionSpec(FileModel):
 
 
 class Tolerance(FileModel):
-    """Tolerances within which a measured state counts as equal to an earlier one."""
+    """Largest differences up to which a measured state of robot and objects equals an earlier state."""
 
     base_mm: Positive
     base_deg: Positive
@@ -137,7 +140,7 @@ class Tolerance(FileModel):
 
 
 class UnknownPosture(InputError):
-    """The robot's file doesn't have the requested posture."""
+    """Error: the robot's file does not have the requested posture."""
 
 
 class RobotFile(SensorTable, OutlinedFile):
@@ -202,13 +205,14 @@ class RobotFile(SensorTable, OutlinedFile):
         return self._warnings
 
     def read_in(self, folder: Path, warnings: tuple[str, ...] = ()) -> RobotFile:
-        """Store the folder and the warnings of the file that this robot was read from; return this robot."""
+        """Store the folder of the robot's file and the warnings from reading it; return the same object."""
         self._folder, self._warnings = folder, warnings
         return self
 
     def urdf_path(self) -> Path:
-        """Return a file with the URDF of the whole robot: that beside the robot's file, or a temporary
-        one.
+        """Return the path of a file with the URDF of the complete robot.
+
+        The file is the robot's own URDF if that is complete, otherwise a temporary file.
         """
         if self._path is None:
             text = self.urdf_text().encode()
@@ -218,7 +222,7 @@ class RobotFile(SensorTable, OutlinedFile):
 
     @property
     def whole(self) -> RobotUrdf:
-        """Return the robot assembled from its URDFs; raises `UrdfError` if they do not fit together."""
+        """Complete robot, assembled from its URDFs; raises `UrdfError` if they do not fit together."""
         if self._whole is None:
             own = PartSpec(urdf=self.urdf, srdf=self.srdf, without=self.without, onto="")
             named, allowed = self.mapped_joints(), self.allowed_contacts
@@ -229,12 +233,16 @@ class RobotFile(SensorTable, OutlinedFile):
         """Return the URDF of the whole robot: its parts put together, meshes named by absolute paths.
 
         Raises:
-            UrdfError: a part is missing, or can't be put where the file says.
+            UrdfError: a part is missing, or cannot be fixed onto the link that the robot's file names.
         """
         return self.whole.text
 
     def mapped_joints(self) -> list[tuple[KeyPath, str, str]]:
-        """Return the joints that the file names: key path, name in the URDF, and the expected name."""
+        """Return the joints of wheels and fingers that the robot's file renames.
+
+        Returns:
+            For each joint its key path in the file, its name in the URDF, and the name that programs use.
+        """
         found: list[tuple[KeyPath, str, str]] = []
         for side in ("left", "right"):
             wheels = getattr(self.drive, side)
@@ -259,15 +267,15 @@ class RobotFile(SensorTable, OutlinedFile):
 
     @cached_property
     def described_arm(self) -> ArmModel:
-        """The arm's kinematic model that shapes and limits are read from; raises ValueError without an arm.
+        """Shared kinematic model of the arm, for reading shapes and limits only; ValueError without an arm.
 
-        Each user of postures has a model of its own, by `arm_model`.
+        Code that sets joint values in a model has to create its own one by `arm_model`.
         """
         return self.arm_model()
 
     @cached_property
     def joint_units(self) -> JointUnits:
-        """Units in which people read the arm's joints; empty if the robot has no arm."""
+        """Units of the arm's joints in files and messages, [deg] or [mm]; empty if the robot has no arm."""
         names = () if self.arm is None else self.arm.joints
         kinds = {item.name: item.kind for item in joints_of(self.urdf_text())} if names else {}
         of_arm = [kinds.get(name) for name in names]
@@ -301,23 +309,23 @@ class RobotFile(SensorTable, OutlinedFile):
 
     @cached_property
     def antenna(self) -> tuple[float, float, float]:
-        """Position of the receiver's antenna in the base frame, in [m]; the origin without one."""
+        """Position of the satellite receiver's antenna in the base frame, in [m]; the origin without one."""
         if self.gps is None:
             return (0.0, 0.0, 0.0)
         x, y, z = base_T_frame(self.urdf_text(), self.link_of(self.gps))[:3, 3].tolist()
         return (x, y, z)
 
     def link_of(self, sensor: SensorSpec) -> str:
-        """Return the link of the URDF that one of the robot's sensors is mounted at; "" without one.
+        """Return the name of the URDF's link on which a sensor of the robot is mounted; "" for none.
 
-        Links are called as the program knows them: by the names under the key `links`.
+        A link that the robot's file maps under the key `links` is named as there, such as `hand`.
         """
         wanted = sensor.link(self.name_of(sensor))
         return next((role for role, link in self.links.items() if link == wanted), wanted)
 
     @property
     def lidar_link(self) -> str:
-        """Link of the first lidar; that of a lidar by the older key if the robot has none."""
+        """Link of the robot's first lidar; `range_sensor` if the robot has no lidar."""
         return "range_sensor" if self.range_sensor is None else self.link_of(self.range_sensor)
 
     @property

@@ -33,7 +33,7 @@ ROS_FINDINGS = "handcart.backends.ros2.ros_findings:ros_findings"
 
 
 def robot_findings(robot: RobotFile, document: Document, drives: bool = True) -> list[Finding]:
-    """Return all findings on the URDF, the joints' names and the postures, each at its place in the file.
+    """Return all faults of a robot's URDF, joint names and postures, each at its place in the robot's file.
 
     Args:
         robot: robot file.

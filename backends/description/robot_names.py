@@ -19,10 +19,10 @@ SHIPPED_FOLDER = Path(__file__).parent.parent / "robots"
 
 
 def named_robots() -> dict[str, Path]:
-    """Return the robot files that have a name, the shipped ones first.
+    """Return the files of all robots that can be given by name, by name in alphabetical order.
 
-    A shipped robot is called ROBOT, its variant ROBOT/VARIANT; of another package OWNER/ROBOT and
-    OWNER/ROBOT/VARIANT. A shipped name is never replaced.
+    A shipped robot is named ROBOT, a variant of it ROBOT/VARIANT. Robots of another package are named
+    OWNER/ROBOT and OWNER/ROBOT/VARIANT. No package can replace a shipped name.
     """
     robots = _robots_below(SHIPPED_FOLDER, "")
     for owner, folder in plugin_folders(ENTRY_POINT_GROUP).items():
@@ -46,12 +46,15 @@ def robot_path(name: str) -> Path:
 
 
 def find_robot(name: str) -> Path | None:
-    """Return the file of a named robot; None if no robot has this name. Shipped names cost no look-up."""
+    """Return the file of a named robot; None if no robot has this name.
+
+    Other installed packages are searched only for a name that is not shipped.
+    """
     return _robots_below(SHIPPED_FOLDER, "").get(name) or named_robots().get(name)
 
 
 def is_robot_path(name: str) -> bool:
-    """Return whether a robot is given as the path of its file, not by name."""
+    """Return True if the text is the path of a robot's YAML file, by its suffix, and not a robot's name."""
     return name.endswith((".yaml", ".yml"))
 
 

@@ -21,7 +21,7 @@ JointName = Annotated[str, Field(min_length=1, max_length=200)]
 
 
 class RosTopicSpec(FileModel):
-    """A topic that the robot's drivers publish."""
+    """A ROS topic that the robot's drivers publish: name, frame and largest age of its messages."""
 
     topic: Topic
     """Name of the topic, relative to the namespace of the program."""
@@ -33,7 +33,7 @@ class RosTopicSpec(FileModel):
 
 
 class RosOdometrySpec(RosTopicSpec):
-    """Topic of the wheels' odometry, and how far it may go between two messages."""
+    """ROS topic of the wheel odometry, and the largest plausible motion between two of its messages."""
 
     topic: Topic = "odom"
     type: Literal["Odometry", "TFMessage"] = "Odometry"
@@ -62,27 +62,27 @@ class RosGpsSpec(RosTopicSpec):
 
 
 class RosLensSpec(RosTopicSpec):
-    """Topic of pictures, and the topic of their calibration."""
+    """ROS topic of a camera's pictures, and the topic of the camera's calibration."""
 
     info: Topic | None = None
     """Topic of the camera's calibration (default: `camera_info` beside the pictures)."""
 
     @property
     def info_topic(self) -> str:
-        """Return the topic of the camera's calibration."""
+        """Name of the topic with the camera's calibration."""
         folder = self.topic.rpartition("/")[0]
         return self.info or (f"{folder}/camera_info" if folder else "camera_info")
 
 
 class RosCameraSpec(RosLensSpec):
-    """Topic of a camera's pictures."""
+    """ROS topic of a grey or colour camera's pictures."""
 
     topic: Topic = "camera/image_raw"
     stale_ms: StaleTime = 1000.0
 
 
 class RosDepthSpec(RosLensSpec):
-    """Topics of a depth camera, registered to one lens."""
+    """ROS topics of a depth camera: depth and colour pictures in one pixel grid, and their calibration."""
 
     topic: Topic = "camera/aligned_depth_to_color/image_raw"
     """Depth (`16UC1` in mm, or `32FC1` in m)."""
@@ -92,7 +92,7 @@ class RosDepthSpec(RosLensSpec):
 
 
 class RosVelocitySpec(FileModel):
-    """The topic of the base's speeds."""
+    """ROS topic of the commands to the base: forward speed, sideways speed and turn rate."""
 
     topic: Topic = "cmd_vel"
     type: Literal["Twist", "TwistStamped"] = "Twist"
@@ -121,12 +121,17 @@ class RosArmSpec(FileModel):
     """Time by which the points of a trajectory are set later, because some controllers refuse past ones."""
 
     def joints_by_topic(self, joints: tuple[str, ...]) -> Mapping[str, tuple[str, ...]]:
-        """Return the joints of each controller by its topic, where the arm has `joints`."""
+        """Return the joints of each controller by its command topic.
+
+        Args:
+            joints: names of all joints of the arm; without controllers in the file they have the default
+                topic.
+        """
         return self.controllers if self.controllers or self.actions else {DEFAULT_ARM_TOPIC: joints}
 
 
 class RosGripperSpec(FileModel):
-    """Topic or action of the gripper's controller."""
+    """ROS topic or action of the gripper's controller, and the meaning of its positions."""
 
     topic: Topic = "gripper_controller/joint_trajectory"
     action: Topic | None = None
@@ -160,7 +165,7 @@ class RosGripperSpec(FileModel):
 
 
 class RosSpec(FileModel):
-    """Topics of a robot that speaks ROS 2."""
+    """Section `ros2` of a robot's file: topics and actions of the robot's ROS 2 drivers, and time limits."""
 
     domain: Annotated[int, Field(ge=0, le=232)] | None = None
     """ROS domain (default: by the variable ROS_DOMAIN_ID)."""
@@ -203,9 +208,9 @@ class RosSpec(FileModel):
     """Time in which the first message of each topic has to arrive."""
 
     def name_of(self, joint: str) -> str:
-        """Return the name in ROS of a joint of the robot's file."""
+        """Return the name that a joint of the robot's file has in ROS messages."""
         return self.names.get(joint, joint)
 
     def sign_of(self, joint: str) -> float:
-        """Return -1 for a joint that counts the other way round in ROS, otherwise 1."""
+        """Return -1 for a joint whose position has the opposite sign in ROS messages, otherwise 1."""
         return -1.0 if joint in self.reversed else 1.0

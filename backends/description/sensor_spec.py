@@ -17,7 +17,7 @@ Carrier = Literal["base", "any"]
 
 
 class UnreadableFile(HandcartError, ValueError):
-    """A file that a sensor's section names cannot be used."""
+    """Error: a file named in a sensor's section of the robot's file is missing, or outside the folder."""
 
     def __init__(self, key: str, wrong: str) -> None:
         self.key = key
@@ -25,7 +25,10 @@ class UnreadableFile(HandcartError, ValueError):
 
 
 class SensorSpec(FileModel):
-    """A sensor in a robot's file. A kind of sensor adds its own keys, and sets the default of `kind`."""
+    """Base class of the sections of a robot's file that describe a sensor.
+
+    A subclass for a kind of sensor adds its own keys, and sets the default of `kind`.
+    """
 
     kind: str
     """Kind of the sensor."""
@@ -33,11 +36,11 @@ class SensorSpec(FileModel):
     """Parts of the robot that may carry the sensor; None for a sensor without a frame in the URDF."""
 
     def link(self, name: str) -> str:
-        """Return the link of the URDF that the sensor `name` is mounted at; "" if it has no frame."""
+        """Return the URDF's link on which the sensor `name` is mounted; "" for a sensor without a frame."""
         return ""
 
     def without_errors(self) -> Self:
-        """Return the sensor as it is in a simulation without errors."""
+        """Return the description of the same sensor without noise, bias and other errors."""
         return self
 
     def with_files(self, folder: Path) -> Self:
@@ -51,12 +54,12 @@ class SensorSpec(FileModel):
 
 
 class MountedSensorSpec(SensorSpec):
-    """A sensor with a frame in the URDF."""
+    """Base class of descriptions of sensors that have a frame in the robot's URDF."""
 
     CARRIER: ClassVar[Carrier | None] = "base"
     frame: Annotated[str, Field(min_length=1)] | None = None
     """Link of the URDF that is the sensor's frame (default: the link with the sensor's name)."""
 
     def link(self, name: str) -> str:
-        """Return the link of the URDF that the sensor `name` is mounted at."""
+        """Return the URDF's link on which the sensor `name` is mounted."""
         return self.frame or name

@@ -23,10 +23,10 @@ NotNegative = Annotated[float, Field(ge=0.0)]
 
 
 class OdometrySpec(FileModel):
-    """Accuracy of the wheels as the localizer assumes it: sigmas. Errors of simulated wheels are in `errors`.
+    """Standard deviations (sigmas) of the wheel odometry's errors, as the localizer assumes them.
 
-    The defaults are for uncalibrated wheels. If nothing besides the wheels determines the pose, its
-    covariance is only as good as these figures.
+    The true errors of simulated wheels are in the section `errors`. The defaults are for uncalibrated wheels.
+    If only the wheels determine the pose, the accuracy of its covariance depends on these values.
     """
 
     wheel_radius_percent: Positive = 2.0
@@ -47,7 +47,7 @@ class OdometrySpec(FileModel):
 
     @property
     def sideways_errors(self) -> SidewaysErrors:
-        """Return the errors of motion sideways in SI units."""
+        """Sigmas of the errors of sideways motion, as ratios and in [rad/m]."""
         return SidewaysErrors(
             self.sideways_percent / 100,
             math.radians(self.sideways_turn_deg_per_m),
@@ -56,7 +56,7 @@ class OdometrySpec(FileModel):
 
     @property
     def errors(self) -> OdometryErrors:
-        """Return the errors in SI units."""
+        """Sigmas of the wheels' errors, as ratios and in [m]."""
         return OdometryErrors(
             self.wheel_radius_percent / 100,
             self.tread_percent / 100,
@@ -66,7 +66,10 @@ class OdometrySpec(FileModel):
 
 
 class CalibratedCamera(FileModel):
-    """Result of a calibration (`tasks/calibrate_camera`), which replaces the nominal values."""
+    """Measured calibration of a camera (`tasks/calibrate_camera`): focal length, centre, lens and mount.
+
+    It replaces the nominal values of the camera.
+    """
 
     focal_px: Positive
     cx_px: float
@@ -86,7 +89,10 @@ class CalibratedCamera(FileModel):
 
 
 class CameraSpec(MountedSensorSpec):
-    """Nominal camera, with the optical axis in the middle of the picture."""
+    """Description of a camera: picture size, focal length, lens, and its calibration if there is one.
+
+    Without `camera_info` and calibration, the optical axis is in the middle of the picture.
+    """
 
     CARRIER: ClassVar[Carrier | None] = "any"
     kind: Literal["camera"] = "camera"
@@ -135,7 +141,7 @@ class CameraSpec(MountedSensorSpec):
         return self._info
 
     def with_info(self, info: CameraInfo) -> Self:
-        """Return the camera as a `camera_info` file describes it."""
+        """Return a copy with the picture size, focal length and lens of a `camera_info` file."""
         K = info.K
         size = {"width_px": info.image_width, "height_px": info.image_height, "focal_px": float(K[0, 0])}
         camera = self.model_copy(update=size)
@@ -144,7 +150,7 @@ class CameraSpec(MountedSensorSpec):
 
 
 class ImuSpec(MountedSensorSpec):
-    """Gyros and accelerometers, their axes along those of the base."""
+    """Description of an IMU and its errors; its axes are parallel to those of the base."""
 
     kind: Literal["imu"] = "imu"
 
@@ -173,7 +179,7 @@ class ImuSpec(MountedSensorSpec):
 
 
 class PositioningSpec(SensorSpec):
-    """An indoor positioning system that sees the robot."""
+    """Description of an indoor positioning system: noise, rate and delay of its readings."""
 
     kind: Literal["positioning"] = "positioning"
 

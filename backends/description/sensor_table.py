@@ -23,7 +23,7 @@ OLD_KEYS = ("camera", "range_sensor", "imu", "gps", "beacons", "positioning")
 
 
 class SensorTable(FileModel):
-    """The part of a robot's file with its sensors."""
+    """Part of a robot's file with its sensors: the table `sensors`, and older keys for one sensor each."""
 
     sensors: dict[SensorName, SerializeAsAny[SensorSpec]] = Field(default_factory=dict)
     """Sensors by name: any number of each kind. The first one of a kind is the one that is used where only
@@ -61,17 +61,15 @@ class SensorTable(FileModel):
         return (name,) if name in self._old else (TABLE_KEY, name)
 
     def name_of(self, sensor: SensorSpec) -> str:
-        """Return the name of one of the robot's sensors, given its section."""
+        """Return the name of a sensor of the robot, given its description (the same object)."""
         return next(name for name, spec in self.sensors.items() if spec is sensor)
 
     def all_of(self, kind: type[S]) -> dict[str, S]:
-        """Return the sensors of a kind by name, given the class of its section."""
+        """Return the descriptions of all sensors of the class `kind`, by name."""
         return {name: spec for name, spec in self.sensors.items() if isinstance(spec, kind)}
 
     def first(self, kind: type[S]) -> S | None:
-        """Return the first sensor of a kind, given the class of its section, or None if the robot has no such
-        sensor.
-        """
+        """Return the description of the first sensor of the class `kind`; None if the robot has none."""
         return next(iter(self.all_of(kind).values()), None)
 
     @property
@@ -111,7 +109,10 @@ class SensorTable(FileModel):
         return super().model_copy(update={"sensors": left})
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Return a copy with other values; the older keys change the first sensor of their kind."""
+        """Return a copy with the values of `update`.
+
+        An older key in `update`, such as `camera`, replaces the first sensor of its kind.
+        """
         given = dict(update or {})
         old = {key: given.pop(key) for key in OLD_KEYS if key in given}
         copy = super().model_copy(update=given, deep=deep)

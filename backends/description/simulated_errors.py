@@ -14,7 +14,10 @@ Percent = Annotated[float, Field(ge=0.0, le=100.0)]
 
 
 class Errors(FileModel):
-    """Errors of a simulated backend: sigmas; a seed draws each systematic error once."""
+    """Standard deviations (sigmas) of the errors of a simulated robot.
+
+    Systematic errors are drawn once in a run, from the seed.
+    """
 
     none: bool = False
     """True for a simulation without errors: all other values count as 0, as do the errors of lidar and
@@ -87,6 +90,6 @@ class Errors(FileModel):
 
     @classmethod
     def nowhere(cls) -> Self:
-        """Return the errors of a simulation without errors."""
+        """Return the values for a simulation without errors."""
         sizes = set(cls.model_fields) - {"none", "hand_systematic_wave_m"}
         return cls(none=True, **dict.fromkeys(sizes, 0.0))

@@ -28,9 +28,9 @@ LEVEL_GROUND = GroundSpec(roughness_deg=0.0)
 class KinematicBackend(SimulatedBackend):
     """Simulation of a mobile base with arm, gripper, camera and lidar among solid things, without dynamics.
 
-    Simulated errors, seeded: radius of each wheel, tread, slip in each period, joint repeatability, the tilt
-    of the base after the arm has swung, ranges, image noise, blur, light and lens, the force reading, where a
-    person puts the robot and things.
+    Simulated errors, drawn from the seed: radius of each wheel, tread, slip in each period, joint
+    repeatability, the tilt of the base after the arm has swung, ranges, image noise, blur, light and lens,
+    the force reading, and the places at which a person puts the robot and things.
 
     How it differs from hardware:
     - No mass: wheels, joints and fingers follow their commands within the period; limits of speed are
@@ -39,8 +39,8 @@ class KinematicBackend(SimulatedBackend):
       its wheels slipping.
       The arm stops where a contact begins; the force grows by 2 N a mm of further command, up to 60 N. The
       hand, and what it holds, slides along what it presses on, with a coefficient of friction of 0.4.
-      The arm is not checked against itself and its base. The base also stops where it drives the arm, a part
-      mounted above its body or a thing on it into something.
+      Collisions of the arm with itself and with its base are not detected. The base also stops where the arm,
+      a part mounted above the base or a thing carried on it would hit something.
     - A gripped thing is centred in the hand and fixed to it: it neither slips nor sags, but a person who
       pulls harder than the fingers' friction holds can tear it out.
     - Rules of a thing's domain (`...simulation.world.props`) decide whether it gives way to the hand

@@ -12,11 +12,11 @@ from handcart.robotics.geometry.pose2 import Pose2
 
 
 class KinematicCar(CommandedBase):
-    """Rear wheels that turn as commanded, and front wheels that turn to the commanded curvature at the
-    steering's speed.
+    """Simulated base that steers like a car (Ackermann steering), without dynamics.
 
-    Wheel travel is that of the rear wheels. The curvature is the turn rate divided by the speed; a standing
-    car keeps its steering.
+    The rear wheels reach the commanded speed at once. The front wheels steer, at limited speed, to the
+    commanded curvature, which is the turn rate divided by the speed; a standing car keeps its steering. Wheel
+    travel is that of the rear wheels.
     """
 
     STATE: ClassVar = {**CommandedBase.STATE, "_bend": float}
@@ -27,8 +27,13 @@ class KinematicCar(CommandedBase):
         self._bend = 0.0
 
     def advance(self, period: int) -> Pose2:
-        """Turn the wheels for a period; return the base's pose after it in the base frame before it, without
-        obstacles.
+        """Turn the wheels for a period, and return the motion of the base as if there were no obstacles.
+
+        Args:
+            period: number of the period.
+
+        Returns:
+            Pose of the base at the end of the period in the base frame at its start.
         """
         speed, turn_rate, _ = self._take_command()
         if speed != 0.0:

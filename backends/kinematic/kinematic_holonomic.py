@@ -10,15 +10,23 @@ from handcart.robotics.geometry.pose2 import Pose2
 
 
 class KinematicHolonomicBase(CommandedHolonomicBase):
-    """Four wheels that turn as commanded; see `MecanumWheels` for how the base truly moves."""
+    """Simulated base that drives in any direction, without dynamics.
+
+    Its wheels turn as commanded; `MecanumWheels` computes the true motion of the base.
+    """
 
     def __init__(self, robot: RobotFile, seed: int) -> None:
         super().__init__(robot)
         self._wheels = MecanumWheels(robot, seed)
 
     def advance(self, period: int) -> Pose2:
-        """Turn the wheels for a period; return the base's pose after it in the base frame before it, without
-        obstacles.
+        """Turn the wheels for a period, and return the motion of the base as if there were no obstacles.
+
+        Args:
+            period: number of the period.
+
+        Returns:
+            Pose of the base at the end of the period in the base frame at its start.
         """
         speed, turn_rate, sideways = self._take_command()
         half = turn_rate * self._drive.tread_m / 2

@@ -34,15 +34,23 @@ _PRESSES = 2e-4  # [m] of command beyond their position from which the fingers p
 
 
 class KinematicBase(CommandedBase):
-    """Two wheels that turn as commanded; true radii, tread and slip differ from the file's."""
+    """Simulated base with two driven wheels, without dynamics.
+
+    Its wheels turn as commanded; their true radii, tread and slip differ from those in the robot's file.
+    """
 
     def __init__(self, robot: RobotFile, seed: int) -> None:
         super().__init__(robot)
         self._rolling = Rolling(robot, seed)
 
     def advance(self, period: int) -> Pose2:
-        """Turn the wheels for a period; return the base's pose after it in the base frame before it, without
-        obstacles.
+        """Turn the wheels for a period, and return the motion of the base as if there were no obstacles.
+
+        Args:
+            period: number of the period.
+
+        Returns:
+            Pose of the base at the end of the period in the base frame at its start.
         """
         speed, turn_rate, _ = self._take_command()
         half = turn_rate * self._drive.tread_m / 2
@@ -52,7 +60,10 @@ class KinematicBase(CommandedBase):
 
 
 class Rolling:
-    """Wheels whose true radii, tread and slip differ from the robot's file, by its `errors` and a seed."""
+    """Model of the true motion of a base with two wheels, by the wheels' travel.
+
+    True radii, tread and slip differ from the robot's file by its section `errors` and a seed.
+    """
 
     def __init__(self, robot: RobotFile, seed: int) -> None:
         """Draw the errors that stay the same for a run."""
@@ -64,7 +75,7 @@ class Rolling:
         self._slip, self._scrub = errors.slip_percent / 100, errors.scrub_percent / 100
 
     def motion(self, left: float, right: float, period: int) -> Pose2:
-        """Return the base's pose after a period in the base frame before it, without obstacles.
+        """Return the base's pose at the end of a period in the base frame at its start, without obstacles.
 
         Args:
             left: travel of the left wheel by its encoder, in [m].
@@ -88,7 +99,11 @@ def _arc(length: float, turn: float) -> Pose2:
 
 
 class KinematicArm(SimulatedArm):
-    """Joints that reach their command within the period, except for contacts and the offset of `ArmError`."""
+    """Simulated arm without dynamics.
+
+    Its joints reach their command within the period, except for contacts and the positioning error
+    (`ArmError`).
+    """
 
     STATE: ClassVar = {**SimulatedArm.STATE, "_settled": bool, "_touching": frozenset[tuple[str, str]]}
 
@@ -106,12 +121,14 @@ class KinematicArm(SimulatedArm):
         return self._hand.scene.felt_force()
 
     def advance(self, period: int, disturbed: bool) -> frozenset[tuple[str, str]]:
-        """Move the arm for a period, and return the touching pairs: names of the robot's body and of the
-        other one.
+        """Move the arm for a period.
 
         Args:
             period: number of the period.
-            disturbed: True if the fingers have moved.
+            disturbed: True if the fingers have moved, or the held thing has changed.
+
+        Returns:
+            Pairs of bodies that touch: the name of a part of the robot, and the name of the other body.
         """
         changed = self._begin(period, loaded=self._hand.scene.held is not None)
         self._from = self._command.copy()
@@ -123,7 +140,7 @@ class KinematicArm(SimulatedArm):
 
 
 class KinematicGripper(SimulatedGripper):
-    """Fingers that close at constant speed, and hold what is between them as if it were glued."""
+    """Simulated gripper without dynamics: fingers move at constant speed, and a held thing never slips."""
 
     def __init__(self, spec: GripperSpec, hand: SimulatedHand, period: float, seed: int) -> None:
         super().__init__(spec, hand.scene.robot.errors, hand.scene.width, seed)
@@ -139,7 +156,7 @@ class KinematicGripper(SimulatedGripper):
         return self._scene.width
 
     def advance(self, period: int) -> bool:
-        """Move the fingers in period number `period`; return True if they or the held thing changed."""
+        """Move the fingers in period number `period`; return True if they moved or the held thing changed."""
         self._now = period
         before, held = self._scene.width, self._scene.held
         way = max(-self._step, min(self._step, self._command - before))
@@ -152,7 +169,7 @@ class KinematicGripper(SimulatedGripper):
 
 
 class KinematicRangeSensor(SimulatedRangeSensor):
-    """Lidar that casts rays in the floor plan at the lidar's height."""
+    """Simulated lidar that casts rays in a horizontal section of the world at the lidar's height."""
 
     def __init__(self, spec: RangeSpec, base_T_sensor: Transform, scene: Scene, seed: int) -> None:
         super().__init__(spec, base_T_sensor, seed, RangeFaults.of(scene.robot.errors))

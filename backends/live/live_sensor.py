@@ -12,10 +12,10 @@ Clock = Callable[[], float]
 
 
 class LiveSensor(ABC):
-    """Sensor that receives, once a period, the readings that have arrived, and knows their age.
+    """Base class of real sensors that send readings by themselves.
 
-    `advance` never waits and never raises; readings of a lost sensor grow old, and the next access raises
-    a `StaleSensor`.
+    `advance` processes the readings of a control period; it never waits and never raises. If a sensor stops
+    sending, its last reading becomes stale, and the next access raises `StaleSensor`.
     """
 
     def __init__(self, name: str, stale: float, clock: Clock = time.monotonic) -> None:
@@ -51,17 +51,17 @@ class LiveSensor(ABC):
 
     @property
     def age(self) -> float | None:
-        """Return the age of the last good reading in this period [s]; None before the first."""
+        """Age of the last good reading at the start of this period, in [s]; None before the first."""
         return None if self._came is None else self._now - self._came
 
     @property
     def is_fresh(self) -> bool:
-        """True if the last reading is not stale."""
+        """True if the last good reading is not older than allowed."""
         age = self.age
         return age is not None and age <= self._stale
 
     def check_fresh(self) -> None:
-        """Raise `StaleSensor` if the last reading is too old."""
+        """Raise `StaleSensor` if the last good reading is older than allowed, or none has arrived."""
         if not self.is_fresh:
             raise StaleSensor(self.name, self.age, self._stale, self.trouble or self.doubt)
 

@@ -25,7 +25,7 @@ def suspended() -> float:
 class Pace:
     """Timer of control periods by the wall clock.
 
-    A late period starts the next one at its own end: missed periods are not compensated by shorter ones.
+    If a period ends late, the next one begins at that time: later periods are not shortened to catch up.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class Pace:
         """Reason why the robot has to be stopped; "" if there is none. A reason stays once it is set."""
 
     def wait(self) -> None:
-        """Wait for the end of the current period; the next one begins."""
+        """Wait for the end of the current period, and start the next one."""
         now = self._clock()
         if now <= self._end:
             self._sleep(self._end - now)
@@ -70,12 +70,12 @@ class Pace:
             self._end = now + self._period
 
     def begin(self) -> None:
-        """Start the first period now: earlier work, such as setting up drives, does not count."""
+        """Start the first period now, so that earlier work, such as drive set-up, does not make it late."""
         self._end = self._clock() + self._period
         self._in_a_row = 0
 
     def figures(self) -> Mapping[str, Any]:
-        """Return the lateness of periods [ms] and the number of missed ones."""
+        """Return the numbers of all and of missed periods, and the percentiles of their delays in [ms]."""
         if not self._lateness:
             return {"periods": 0, "missed": 0}
         p50, p99 = (1e3 * float(item) for item in np.percentile(self._lateness, (50, 99)))

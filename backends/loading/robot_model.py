@@ -19,16 +19,19 @@ if TYPE_CHECKING:
 
 
 def model_for(document: Document) -> type[RobotFile]:
-    """Return the model that reads a robot's file: without a table of sensors, no kind is imported."""
+    """Return the pydantic model that validates a robot's file.
+
+    Only a file with the table `sensors` needs the installed kinds of sensors to be imported.
+    """
     content = document.root.content
     return robot_model() if isinstance(content, dict) and TABLE_KEY in content else RobotFile
 
 
 def robot_model() -> type[RobotFile]:
-    """Return the model of a robot's file in which a sensor's `kind` determines its other keys.
+    """Return the pydantic model of a robot's file in which a sensor's `kind` determines its other keys.
 
     Raises:
-        BrokenPlugin: a kind of another package cannot be used.
+        BrokenPlugin: a kind of sensor from another package cannot be used.
     """
     return _composed(tuple(sensor_specs().values()))
 

@@ -33,8 +33,8 @@ class MujocoBackend(PhysicsBackend):
 
     A resumed run continues exactly like one that was not stopped, to the last bit.
 
-    How it differs from hardware: links are rigid, contacts give by hundredths of a millimetre, a floor is
-    flat, friction is Coulomb's, one coefficient for a pair, light has no shadows.
+    Differences from hardware: links are rigid; contacts yield by hundredths of a millimetre; a floor is flat;
+    friction is Coulomb's, with one coefficient for two touching bodies; light has no shadows.
     """
 
     name = "mujoco"
@@ -52,7 +52,7 @@ class MujocoBackend(PhysicsBackend):
 
     @classmethod
     def build_in_window(cls, robot: RobotFile, world: Path | WorldFile | None, seed: int) -> MujocoBackend:
-        """Build a robot and world that MuJoCo's viewer shows in a window, as fast as time passes.
+        """Build as `build` does, and show robot and world in a window of MuJoCo's viewer, in real time.
 
         Raises:
             NoWindow: OpenGL is not available on the display.

@@ -9,6 +9,6 @@ from handcart.backends.backend import NoWindow
 
 
 def needs_display() -> None:
-    """Raise `NoWindow` without a display."""
+    """Raise `NoWindow` if the machine has no display on which a window could be shown."""
     if sys.platform == "linux" and not os.environ.get("DISPLAY"):
         raise NoWindow("a window needs a display: $DISPLAY is not set; allowed: --video FILE.mp4")

@@ -16,7 +16,10 @@ _FAR = 2.0  # [m] from the wanted position, beyond which the camera jumps there
 
 
 class Onlooker:
-    """Chase camera behind the robot, to its left, on this side of walls; it turns calmly."""
+    """Chase camera for videos, behind the robot and to its left.
+
+    It follows the robot smoothly, and moves closer if something is between camera and robot.
+    """
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine

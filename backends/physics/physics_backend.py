@@ -58,16 +58,16 @@ class PhysicsBackend(SimulatedBackend):
 
     It reads the same robot and world files as the kinematic backend, with the same solids. Two driven
     wheels and frictionless casters roll on a floor, or several wheels on each side, which slide sideways
-    when the base turns. Joints have drives with limited torque; fingers hold by friction, one the mirror
-    of the other; things are rigid bodies that rest, lean on each other and fall. A base that tilts is
-    mounted on springs. A car steers its front wheels on rough ground, a height field.
+    when the base turns. Joints have drives with limited torque; two coupled fingers hold by friction;
+    things are rigid bodies that rest, lean on each other and fall. A base that tilts is mounted on springs.
+    A car steers its front wheels on rough ground, a height field.
 
-    Simulated errors, seeded: radius of each wheel, tread, the arm's errors, ranges, image noise, blur,
-    light, lens, the force reading, where a person puts robot and things. Slip and compliance are physics.
-    The turn of the base on its tyres after a swing of the loaded arm is imposed, because rigid wheels do
-    not turn like that.
+    Simulated errors, drawn from the seed: radius of each wheel, tread, the arm's errors, ranges, image noise,
+    blur, light, lens, the force reading, and the places at which a person puts robot and things. Slip and
+    compliance are results of the engine. The turn of the base on its tyres after a swing of the loaded arm is
+    added, because rigid wheels do not turn in this way.
 
-    A subclass brings the engine, the robot's body in it, and the camera. `scene` is ground truth: only
+    A subclass provides the engine, the robot's body in it, and the camera. `scene` is ground truth: only
     evaluation may read it.
     """
 
@@ -287,7 +287,7 @@ class PhysicsBackend(SimulatedBackend):
 
     @property
     def held_name(self) -> str | None:
-        """Return the name of the thing between the fingers, or None."""
+        """Name of the thing that the fingers hold; None if they hold nothing."""
         return None if self._held is None else self._held.name
 
     @held_name.setter

@@ -14,7 +14,7 @@ from handcart.backends.simulation.world.scene_props import SceneProps
 
 
 class Pieces(NamedTuple):
-    """Parts of a physics simulation that a domain's props may act on."""
+    """Parts of a physics simulation, for the code that simulates a domain's objects (`PropsBody`)."""
 
     engine: Engine
     body: RobotBody
@@ -24,7 +24,10 @@ class Pieces(NamedTuple):
 
 
 class PropsBody:
-    """Physics of a domain's props, named by `Domain.physics`; by default it does nothing."""
+    """Base class of the physics of a domain's objects (props) beyond rigid bodies, such as a pulling person.
+
+    A domain names its subclass in `Domain.physics`. This class does nothing.
+    """
 
     STATE: ClassVar[Kinds] = {}
     """Attributes that a checkpoint keeps, with their types."""
@@ -33,15 +36,15 @@ class PropsBody:
         self.props, self.pieces = props, pieces
 
     def step(self) -> None:
-        """Begin a period, after `Props.step`."""
+        """Act at the beginning of a period, after the domain's `SceneProps.step`."""
 
     def act(self) -> None:
         """Act before each chunk of the period, which is the time between two actions of the drives."""
 
     def end(self) -> None:
-        """Act at the end of a period, before things are located."""
+        """Act at the end of a period, before the poses of things are read from the engine."""
 
     @property
     def keeps_grip(self) -> bool:
-        """Return whether the hand keeps its object although the fingers don't press on it."""
+        """True if the hand keeps its object although the fingers do not press on it."""
         return False

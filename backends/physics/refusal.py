@@ -12,11 +12,11 @@ MAX_QUOTED_LETTERS = 300  # of what an engine says
 
 
 class RobotRefused(InputError):
-    """An engine refuses a robot."""
+    """Error: a physics engine cannot build a model of the robot."""
 
 
 def refusal(engine: str, error: Exception, whole: RobotUrdf, prefix: str = "") -> InputError:
-    """Return the error of an engine as one about the robot's files.
+    """Translate a physics engine's error about a robot into an error about the robot's files.
 
     Args:
         engine: name of the engine.

@@ -14,7 +14,7 @@ from handcart.robotics.geometry.transform import inverse
 
 
 class SceneSync:
-    """Writer of the engine's true poses into the scene, after each period."""
+    """Copier of the true poses from the physics engine into the scene (ground truth), after each period."""
 
     def __init__(self, scene: Scene, body: RobotBody, world: WorldBodies) -> None:
         self._scene, self._body, self._world = scene, body, world

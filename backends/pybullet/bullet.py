@@ -32,7 +32,7 @@ class MissingPyBullet(InputError):
 
 
 class NoWorldJoints(InputError):
-    """Error: a world has doors, which this engine isn't given."""
+    """Error: a world has doors, which the backend `pybullet` does not simulate."""
 
     def __init__(self, name: str) -> None:
         allowed = "allowed: --backend kinematic, --backend mujoco"

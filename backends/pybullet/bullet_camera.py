@@ -18,8 +18,9 @@ _TO_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
 
 
 class BulletCamera(EngineCamera):
-    """Camera that Bullet renders, by its EGL plug-in if available, otherwise by TinyRenderer; see
-    `EngineCamera`.
+    """Simulated camera whose pictures are rendered by Bullet; see `EngineCamera`.
+
+    Bullet uses its EGL plug-in if available, otherwise TinyRenderer.
     """
 
     def _draw(self, world_T_camera: Transform, K: FloatArray, size: tuple[int, int]) -> ByteArray:
@@ -56,7 +57,7 @@ def render(
         world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
         K: (3, 3) camera matrix, in [px]; an integer pixel is a pixel's centre.
         size: width and height in [px].
-        lit: see `BulletRenderer.picture`.
+        lit: True for light from above and shadows; otherwise each surface is as bright as its paint.
     """
     view = inverse(world_T_camera @ _TO_OPENGL)
     return engine.renderer.picture(view, _projection(K, size), size, lit)
@@ -67,8 +68,8 @@ def render_with_depth(
 ) -> tuple[ByteArray, FloatArray]:
     """Return a picture (height, width, 3) in RGB, and the depth (height, width) of its pixels, in [m].
 
-    Depth is along the optical axis; infinite where nothing is nearer than `FURTHEST`. It is rendered
-    twice, because the buffer resolves far depths well only if its nearest plane is not too near.
+    Depth is along the optical axis; infinite where nothing is nearer than `FURTHEST`. Near and far depths are
+    rendered separately, because OpenGL's depth buffer is coarse far away if its nearest plane is close.
 
     Args:
         engine: engine with the bodies to render.

@@ -20,7 +20,7 @@ TILE_PX = (960, 720)
 
 
 class BulletDepthCamera(EngineDepthCamera):
-    """Depth camera that Bullet renders."""
+    """Simulated depth camera whose pictures are rendered by Bullet."""
 
     @override
     def _draw(self, world_T_camera: Transform) -> TrueDepth:

@@ -43,11 +43,11 @@ _LEVEL = 1  # of its pictures: the renderer takes the nearest points of a finer 
 
 
 class BulletEngine(Engine):
-    """Engine with a Bullet client of its own; body numbers are Bullet's.
+    """Physics engine Bullet, with a client (a separate world) of its own; body numbers are Bullet's.
 
-    Bullet reports the impulses of one of its steps as if they were those of a chunk (the time between two
-    actions of the drives, `substeps` steps). Therefore forces given to Bullet are divided by `substeps`, and
-    forces that it returns are multiplied.
+    A chunk, the time between two commands to drives, has `substeps` steps of the solver. Bullet converts the
+    impulses of a single step to forces as if they had acted for a chunk. Therefore forces given to Bullet are
+    divided by `substeps`, and forces that it returns are multiplied by it.
     """
 
     CHUNK = 0.005
@@ -106,7 +106,9 @@ class BulletEngine(Engine):
     # Bodies
 
     def add_floor(self, friction: float) -> int:
-        """Add a level floor at height 0, of which pictures show the part within 40 m; return its body.
+        """Add a level floor at height 0; return its number as a body of the engine.
+
+        The floor is unlimited; pictures show only the part within 40 m of the origin.
 
         Args:
             friction: Coulomb's coefficient of friction, without unit.
@@ -222,11 +224,11 @@ class BulletEngine(Engine):
         return ContactPoint(link, other, other_link, normal, (x, y, z))
 
     def free_shares(self, start: FloatArray, ends: FloatArray) -> FloatArray:
-        """Return the free share of the lines from one point to others, without the robot, in one batch.
+        """Return the free share of each line from a start to an end, ignoring the robot.
 
         Args:
             start: (3,) common start of the lines in the world, in [m].
-            ends: (n, 3) their ends in the world, in [m].
+            ends: (n, 3) ends of the lines in the world, in [m].
 
         Returns:
             (n,) distance from the start to the first body divided by the line's length, 0 to 1; infinity if
@@ -270,8 +272,8 @@ class BulletEngine(Engine):
     # States
 
     def state(self) -> dict[str, Any]:
-        """Return Bullet's own state file, its signature, and the pinned connection, which Bullet does not
-        save.
+        """Return the state for a checkpoint: the content of Bullet's state file, a signature of it, and the
+        rigid connection of hand and held thing, which Bullet does not save.
         """
         content = self._saved()
         pinned = to_plain(self._pinned, Pinned | None)
@@ -293,10 +295,10 @@ class BulletEngine(Engine):
             return path.read_bytes()
 
     def set_state(self, state: object) -> None:
-        """Restore a saved state; see `Engine`.
+        """Restore a state that `state` returned for an engine whose bodies were created in the same order.
 
-        For a body that rests on one of several shapes the run may then differ in the last digits: Bullet
-        saves such contacts, but does not restore them exactly.
+        Bullet does not restore contacts with a body of several shapes exactly. A run in which a body rests on
+        such a body may then differ from the original run in the last digits.
         """
         if not isinstance(state, dict) or state.keys() != {"bullet", "signature", "pinned"}:
             raise NotAState("no state of this engine; needed: bullet, signature, pinned")

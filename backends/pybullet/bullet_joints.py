@@ -14,7 +14,10 @@ from .bullet_engine import BulletEngine
 
 
 class BulletJoints(JointGroup):
-    """Joints with Bullet's motors, which are constraints whose impulses are limited; see `JointGroup`."""
+    """Joints of a robot that are moved by Bullet's motors; see `JointGroup`.
+
+    Such a motor is a constraint on the joint's velocity with a limited impulse.
+    """
 
     def __init__(self, engine: BulletEngine, body: int, joints: Sequence[int]) -> None:
         """Select joints of a body by Bullet's numbers."""

@@ -22,7 +22,7 @@ _UNLIT = 0.5  # of its own brightness is what the EGL renderer shows of a face t
 
 
 class BulletRenderer:
-    """Renderer of a Bullet client: its EGL plug-in if available, otherwise TinyRenderer."""
+    """Renderer of pictures of a Bullet client's world, by the EGL plug-in if available or by TinyRenderer."""
 
     def __init__(self, p: Any, client: int, window: bool) -> None:
         """Start the renderer, before any shape is made.
@@ -52,14 +52,14 @@ class BulletRenderer:
     # Textures
 
     def show(self, body: int, picture: ByteArray) -> None:
-        """Paint a body with a grey picture (h, w), 0 to 255."""
+        """Set a grey picture (h, w), 0 to 255, as the texture of a body."""
         texture = self.texture(picture)
         if texture != self._shown.get(body):
             self._shown[body] = texture
             self._p.changeVisualShape(body, -1, textureUniqueId=texture, physicsClientId=self._client)
 
     def texture(self, picture: ByteArray) -> int:
-        """Return Bullet's number of a grey picture (h, w); each picture is loaded once."""
+        """Return Bullet's texture number of a grey picture (h, w), which is loaded on the first call only."""
         key = (picture.shape, picture.tobytes())
         if key not in self._textures:
             self._textures[key] = self._load_texture(picture)

@@ -24,8 +24,8 @@ _VIEW_K = np.array([[750.0, 0.0, 479.5], [0.0, 750.0, 269.5], [0.0, 0.0, 1.0]])
 class PyBulletBackend(PhysicsBackend):
     """Backend with the physics of PyBullet; see `PhysicsBackend`.
 
-    How it differs from hardware: links are rigid, a floor is flat, friction is Coulomb's, one coefficient
-    for a pair, light has no shadows.
+    Differences from hardware: links are rigid; a floor is flat; friction is Coulomb's, with one coefficient
+    for two touching bodies; light has no shadows.
     """
 
     name = "pybullet"

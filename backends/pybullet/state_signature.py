@@ -21,7 +21,7 @@ KEY_FILE = "checkpoint_key"
 
 
 def sign(content: bytes, bodies: str) -> bytes:
-    """Return one signature of a saved state together with a description of its bodies.
+    """Return a signature of a saved state and a description of its bodies, made with a key of this user.
 
     Args:
         content: bytes of the saved state.
@@ -31,7 +31,7 @@ def sign(content: bytes, bodies: str) -> bytes:
 
 
 def check_signature(content: bytes, signature: bytes, bodies: str) -> None:
-    """Check that this user's programs saved a state for the same bodies.
+    """Check that a state was saved by the same user on this machine, for the same bodies.
 
     Args:
         content: bytes of the saved state.
@@ -39,7 +39,7 @@ def check_signature(content: bytes, signature: bytes, bodies: str) -> None:
         bodies: description of the present bodies.
 
     Raises:
-        NotAState: another user or machine saved it, it was changed, or the bodies are others.
+        NotAState: another user or machine saved the state, it was changed, or the bodies are different.
     """
     if not hmac.compare_digest(sign(content, bodies), signature):
         raise NotAState(

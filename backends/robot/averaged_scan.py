@@ -16,7 +16,10 @@ MIN_WEIGHT = 0.1  # of the latest scan: a slowly approaching obstacle must not b
 
 
 class AveragedScan:
-    """Running average of each beam while the base is at about one pose."""
+    """Running average of a lidar's ranges, beam by beam, while the base hardly moves.
+
+    It keeps noise from making the base creep near obstacles.
+    """
 
     def __init__(self, pose: Callable[[], Pose2]) -> None:
         """Average while `pose`, which returns the base's pose without jumps, stays about the same."""
@@ -31,8 +34,9 @@ class AveragedScan:
         self._began = Pose2(0.0, 0.0, 0.0)
 
     def take(self, scan: Scan) -> Scan:
-        """Return a scan whose ranges (n,), in [m], are the running averages of the beams; the same scan
-        counts once.
+        """Add a scan to the average, and return it with averaged ranges (n,), in [m].
+
+        A scan that is passed several times is added once. A range far from its average is not averaged.
         """
         pose = self._pose()
         apart = pose.distance(self._began) > SAME_POSE_M or pose.turn(self._began) > SAME_POSE_RAD

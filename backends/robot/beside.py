@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 class Holding(Protocol):
-    """Robot that can hold still while something is computed."""
+    """Protocol of a robot that can hold still for a time."""
 
     time: float
 
@@ -21,9 +21,9 @@ class Holding(Protocol):
 
 
 def beside(work: Callable[..., T], *args: object) -> Generator[None, None, T]:
-    """Compute in a thread, and hand back control once a period until it is done.
+    """Run a function in a thread, and yield once a control period until it is done; return its result.
 
-    A generator that is closed early doesn't wait: the result is lost, and the thread ends by itself.
+    If the generator is closed early, it does not wait: the result is lost, and the thread ends by itself.
     """
     pool = ThreadPoolExecutor(1, "compute")
     try:
@@ -36,8 +36,9 @@ def beside(work: Callable[..., T], *args: object) -> Generator[None, None, T]:
 
 
 def in_steps(steps: Generator[None, None, T], simulated: bool) -> Generator[None, None, T]:
-    """Compute in steps, one a period in simulation; on a real robot all of them in a thread, as `beside`
-    does.
+    """Run a long computation without delaying the control loop.
+
+    In simulation one step is computed in each period; on a real robot all steps run in a thread (`beside`).
 
     Args:
         steps: computation, whose return value is the result; a step ends with each `yield`.
@@ -55,13 +56,15 @@ def in_steps(steps: Generator[None, None, T], simulated: bool) -> Generator[None
 def at_rest(
     steps: Generator[None, None, T], robot: Holding, simulated: bool, takes: float
 ) -> Generator[None, None, T]:
-    """Compute while the robot holds, in simulation one step a period; see `Robot.compute`.
+    """Run a long computation while the robot holds still; see `Robot.compute`.
+
+    In simulation one step is computed in each period; on a real robot all steps run in a thread (`beside`).
 
     Args:
-        steps: computation.
-        robot: the robot that holds.
+        steps: computation, whose return value is the result; a step ends with each `yield`.
+        robot: the robot that holds still.
         simulated: True for a robot with a simulated backend.
-        takes: least simulated duration of the computation, in [s].
+        takes: simulated time that the computation takes at least, in [s].
     """
     result: T
     if not simulated:

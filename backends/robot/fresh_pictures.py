@@ -31,9 +31,9 @@ class Photo(NamedTuple):
 
 
 class FreshPictures:
-    """The last picture of a camera, and whether the camera has moved since.
+    """Detector of a camera that delivers an old picture again although the camera has moved.
 
-    Motion is that of the wheels and joints that carry the camera; their positions are an array of any length,
+    The camera's motion is read from the wheels and joints that carry it; their positions are an array (k,),
     in [m] or [rad].
     """
 
@@ -50,7 +50,7 @@ class FreshPictures:
 
     @property
     def awaits_motion(self) -> bool:
-        """True while no motion was noted since the last picture."""
+        """True if the camera has not moved since its last picture."""
         return self._last is not None and not self._moved
 
     def note(self, carrier: FloatArray) -> None:
@@ -62,7 +62,7 @@ class FreshPictures:
         self._moved = self._is_away(carrier)
 
     def take(self, image: ByteArray, carrier: FloatArray, noisy: bool) -> ByteArray:
-        """Return `image`, and keep it as the last picture; raise if it only repeats the picture before.
+        """Accept a new picture and return it; raise if the camera has moved and the picture is the last one.
 
         Args:
             image: (h, w), grey, 0 to 255.

@@ -37,8 +37,9 @@ SPEED_RATIOS = (
 
 
 class GuardedBase(HolonomicBase):
-    """Guard of a base: passes on the part of each command that can be driven, and braked from, without a
-    contact.
+    """Base that avoids collisions: it slows each command down so that driving and braking cause no contact.
+
+    It wraps another base, and knows obstacles from the map, the lidar, earlier contacts and tracked people.
     """
 
     def __init__(
@@ -117,7 +118,7 @@ class GuardedBase(HolonomicBase):
             self._unseen.forget()
 
     def drive(self, speed: float, turn_rate: float, sideways: float = 0.0) -> None:
-        """Command the base as `HolonomicBase.drive` does; it drives more slowly where its way isn't free.
+        """Command the base as `HolonomicBase.drive` does, at a lower speed if its way is not free.
 
         Args:
             speed: speed ahead, in [m/s].
@@ -146,20 +147,19 @@ class GuardedBase(HolonomicBase):
         return self._base.wheel_travel()
 
     def starts_here(self) -> None:
-        """Set the start at the next command: the base may come back there, however close to obstacles that
-        is.
-        """
+        """Make the pose at the next command the start, where the base may return even close to obstacles."""
         self._starts = True
 
     def may_stand_at(self, pose: Pose2) -> None:
-        """Allow the base to come as near to mapped obstacles as it is at a pose map_T_base, until it starts
-        elsewhere.
+        """Allow the base to come as close to mapped obstacles as it would be at `pose` (map_T_base).
+
+        This holds until a new start is set (`starts_here`).
         """
         self._begin()
         self._guard.may_stand_at(pose)
 
     def keep_off(self, points: FloatArray) -> None:
-        """Keep the base off points where it ran into an obstacle; they replace those of the last call.
+        """Set the points, from earlier contacts with obstacles, to which the base keeps a distance.
 
         Args:
             points: (n, 2) on the map, in [m].
@@ -167,7 +167,7 @@ class GuardedBase(HolonomicBase):
         self._felt = points
 
     def keep_off_people(self, people: People) -> None:
-        """Keep the base off the predicted paths of people until this period ends."""
+        """Set the people whose predicted paths the base must not enter in this period."""
         self._people = people
 
     def _yielding(self, speed: float, turn_rate: float, direction: float) -> tuple[float, float]:
@@ -210,19 +210,19 @@ class GuardedBase(HolonomicBase):
 
     @property
     def yields(self) -> bool:
-        """True if the base waited for a person in the last period although it was driven."""
+        """True if the base stopped for a person in the last period although it was commanded to drive."""
         return self.share_for_people == 0.0
 
     @property
     def felt(self) -> FloatArray:
-        """Points (n, 2) on the map that the base keeps off because it touched something there, in [m]."""
+        """Points (n, 2) on the map, in [m], that the base avoids because it touched something there."""
         return self._felt
 
     def taken(self) -> tuple[DriveCommand, HoldingObstacle | None]:
-        """Return the base's command since the last call, and the obstacle that held it back; None if none
-        did.
+        """Return the command that was sent to the base in this period, and reset it to zero.
 
-        The command is zero if none was given, because a command ends with its period.
+        Returns:
+            The command, zero if none was sent; and the obstacle because of which it was slowed down, or None.
         """
         taken = self._command, self._held
         self.share_for_people, self._share, self._people = self._share, 1.0, None
@@ -344,11 +344,11 @@ class GuardedBase(HolonomicBase):
 
 
 def steady_points(scan: Scan) -> FloatArray:
-    """Return the points (n, 2) of a scan in the base frame, in [m], without lone short readings.
+    """Return the points (n, 2) of a scan in the base frame, in [m], without single readings that are too
+    short.
 
-    Each beam is the median of itself and its two neighbours: a single short reading may be noise, and the
-    minimum of hundreds of readings is always too short. Beams without a return are skipped, so that their
-    neighbours are compared with each other.
+    Each range is replaced by the median of itself and its two neighbours, because a single short reading may
+    be noise, and the minimum of hundreds of noisy readings is always too short. Blind beams are skipped.
     """
     is_read = len(scan.validity) > 0  # then a range is finite or infinity
     ranges = scan.ranges if is_read else np.where(np.isfinite(scan.ranges), scan.ranges, np.inf)

@@ -19,11 +19,11 @@ HAND_LINK = "hand"
 
 
 class NotOnHand(HandcartError, ValueError):
-    """A camera is not fixed on the hand, but its pose on the hand is needed."""
+    """Error: the pose of a camera in the hand frame is needed, but the camera is not fixed on the hand."""
 
 
 class CameraMount(NamedTuple):
-    """Place of a camera's frame by the URDF, on a link whose pose is known from the joints."""
+    """Mounting pose of a camera, by the URDF, on a link whose pose is known from the joints."""
 
     carrier: str
     """Link that carries the camera: the hand, or the camera's own link."""
@@ -32,7 +32,7 @@ class CameraMount(NamedTuple):
 
 
 class MountedCamera(NamedTuple):
-    """A camera on the hand, or elsewhere on the robot."""
+    """Intrinsics of a camera, and its mounting pose on the hand or elsewhere on the robot."""
 
     model: CameraModel
     carrier_T_camera: Transform
@@ -85,7 +85,10 @@ def hand_mount(arm: ArmModel, link: str = "camera") -> CameraMount:
 
 
 def camera_model(spec: CameraSpec) -> CameraModel:
-    """Return the model as stated: by a `camera_info` file, or with its axis through the picture's middle."""
+    """Return the nominal model of a camera, without its calibration.
+
+    The model is read from the `camera_info` file, or has its optical axis in the middle of the picture.
+    """
     if spec.info is not None:
         return spec.info.model
     middle = (spec.width_px - 1) / 2, (spec.height_px - 1) / 2
@@ -93,12 +96,12 @@ def camera_model(spec: CameraSpec) -> CameraModel:
 
 
 def stated_camera(spec: CameraSpec, mount: CameraMount) -> MountedCamera:
-    """Return the camera as the robot's file and its URDF state it, without the result of a calibration."""
+    """Return the nominal camera, by the robot's file and its URDF, without its calibration."""
     return MountedCamera(camera_model(spec), mount.carrier_T_frame, mount.carrier)
 
 
 def known_camera(spec: CameraSpec, mount: CameraMount) -> MountedCamera:
-    """Return the camera as the robot knows it: calibrated if a calibration was made, otherwise as stated."""
+    """Return the camera that the robot uses: the calibrated one, or the nominal one without a calibration."""
     stated, found = stated_camera(spec, mount), spec.calibrated
     if found is None:
         return stated

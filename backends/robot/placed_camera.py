@@ -12,7 +12,10 @@ from .mounted_camera import MountedCamera
 
 
 class PlacedCamera(Camera):
-    """Camera whose lens and place are those of a `MountedCamera`; subclasses take the pictures."""
+    """Base class of cameras whose lens and mounting pose are known (`MountedCamera`).
+
+    Subclasses take the pictures.
+    """
 
     _known: MountedCamera
     """The camera as it was calibrated."""

@@ -17,7 +17,7 @@ ROUGH_SIGMA_M = 0.1  # of a position: corrections of a less certain pose are not
 
 
 class ProgressWatch:
-    """Watch that compares commands with the estimated motion, once a period.
+    """Detector of a blocked base or wheel: it compares commands with the estimated motion, once a period.
 
     Attributes:
         blocked: evidence that the base is blocked ahead or backwards, from the last period; None without.
@@ -40,7 +40,7 @@ class ProgressWatch:
         self.blocked_wheel: BlockedWheel | None = None
 
     def update(self, command: DriveCommand, travel: WheelTravel, before: Pose2) -> None:
-        """Take in a period that has passed.
+        """Compare the command of the last period with the motion in it, and update the attributes.
 
         Args:
             command: command of the base in the period.

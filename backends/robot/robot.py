@@ -52,10 +52,10 @@ MAX_STOP_PERIODS = 3  # control periods within which the command to stop leaves
 
 
 class Robot:
-    """A backend, its file, and the estimates that follow from its readings.
+    """Robot as primitives use it: its backend, its file, and the estimates computed from its readings.
 
-    The outermost loop calls `step` once a period; primitives never do. `pose` is map_T_base, estimated once
-    above all backends, so the same for all of them.
+    The outermost loop calls `step` once a period; primitives never do. `pose` is map_T_base; it is estimated
+    here by the same code for all backends.
     """
 
     STATE: ClassVar[Kinds] = {"time": float, "failed_from": Pose2 | None}
@@ -134,7 +134,7 @@ class Robot:
     # Capabilities
 
     def get(self, kind: type[CapabilityT]) -> CapabilityT:
-        """Return the capability of a kind, the first one of several; of cameras as `camera_of_kind` does.
+        """Return the first capability of the class `kind`; of several cameras that on the hand is preferred.
 
         Raises:
             MissingCapability: the robot has none of that kind.
@@ -178,7 +178,7 @@ class Robot:
 
     @property
     def base(self) -> GuardedBase:
-        """Wheels of the robot, guarded: they don't drive into what map or scan shows."""
+        """Base of the robot, guarded: it does not drive into obstacles that the map or the scans show."""
         return self._guarded
 
     @property
@@ -193,17 +193,17 @@ class Robot:
 
     @property
     def camera(self) -> Camera:
-        """The camera on the hand."""
+        """Camera on the hand; raises `MissingCapability` without one."""
         return self.get(Camera)  # type: ignore[type-abstract]
 
     @property
     def view_camera(self) -> Camera:
-        """The camera that looks where the hand works: that on the hand, or the first other one."""
+        """Camera for the hand's work: the camera on the hand, or the robot's first other camera."""
         return cast("Camera", self.get(AnyCamera))
 
     @property
     def range_sensor(self) -> RangeSensor:
-        """The range sensor; in its scans each beam has its validity."""
+        """First lidar of the robot; its scans are interpreted, so that each beam has its `Validity`."""
         return self.get(RangeSensor)  # type: ignore[type-abstract]
 
     @cached_property
@@ -242,7 +242,7 @@ class Robot:
 
     @cached_property
     def attitude(self) -> Attitude:
-        """Turn and tilt by the inertial sensors; constant without an IMU."""
+        """Estimate of the base's turn and tilt by its IMU; constant without an IMU."""
         return Attitude()
 
     @property
@@ -259,7 +259,7 @@ class Robot:
         """Return the points (n, 2) of obstacles in this period's scans, in the base frame, in [m]; empty
         without a lidar.
 
-        Lone short readings are removed and, outdoors, points on a lowered hand.
+        Single readings that are too short (noise) are removed and, outdoors, points on a lowered hand.
         """
         if self.lidar is None:
             return NO_STANDS
@@ -269,7 +269,7 @@ class Robot:
         return self.without_hand(points) if self.spec.localizer in OUTDOOR_LOCALIZERS else points
 
     def without_hand(self, points: FloatArray) -> FloatArray:
-        """Return those of `points` (n, 2) that are not on a lowered hand; all in the base frame, in [m]."""
+        """Return the part (m, 2) of `points` (n, 2) that is not on a lowered hand; in the base frame, [m]."""
         if self.spec.arm is None or self.backend.get(Arm) is None:  # type: ignore[type-abstract]
             return points
         hand = self.base_T("hand")[:3, 3]
@@ -286,7 +286,7 @@ class Robot:
     # Time
 
     def step(self, paused: bool = False) -> None:
-        """Let one period pass and update the estimates; `time` does not advance in a pause."""
+        """Execute one control period and update the estimates; `time` does not advance if `paused`."""
         self._moved, self._movers = self._movers, set()
         self.command, self.held = self._guarded.taken()
         self.backend.step()
@@ -319,14 +319,14 @@ class Robot:
         """Return the picture (height, width) of `view_camera`, grey, 0 to 255.
 
         Raises:
-            StaleReading: the picture is the last one to the last bit, although arm or wheels have moved
-                since. A camera without noise may return it again where the robot has come back.
+            StaleReading: the picture equals the last one bit by bit, although arm or wheels have moved. A
+                camera without noise may return the same picture if the robot is back at the same pose.
         """
         noisy = self.spec.errors.image_noise_grey > 0.0
         return self._pictures.take(self.view_camera.image(), self._carried_by(), noisy)
 
     def photo(self) -> Photo:
-        """Return the picture of `view_camera` with its pose and the time; errors as `picture`."""
+        """Return the picture of `view_camera` with its pose and the time; raise as `picture` does."""
         camera = self.view_camera
         return Photo(self.picture(), camera.model, self.base_T_camera(camera), self.time)
 
@@ -343,7 +343,7 @@ class Robot:
         return self._pictures.last
 
     def state(self) -> dict[str, Any]:
-        """Return the estimates so far for a checkpoint, as plain data."""
+        """Return the present estimates for a checkpoint, as plain data."""
         state = {
             "robot": attributes(self, self.STATE),
             "attitude": attributes(self.attitude, self.attitude.STATE),
@@ -354,7 +354,7 @@ class Robot:
         return state
 
     def set_state(self, state: object) -> None:
-        """Restore the estimates returned by `state`, on a backend in that state.
+        """Restore the estimates returned by `state`, after the backend's state was restored.
 
         Raises:
             NotAState: the data belong to another kind of robot.
@@ -368,7 +368,7 @@ class Robot:
             set_attributes(self._unseen, self._unseen.STATE, state["driven"])
 
     def moved_by(self, who: object) -> bool:
-        """Record `who` as moving the robot now; return False if others do, or several did a period ago."""
+        """Record that `who` moves the robot now; False if others do as well, or several did a period ago."""
         self._movers.add(id(who))
         return len(self._movers) == 1 and len(self._moved) <= 1
 
@@ -383,8 +383,8 @@ class Robot:
         Args:
             work: function to run.
             args: its positional arguments.
-            takes: simulated duration of the computation, in [s]; on a real robot it runs
-                next to the control loop instead and takes as long as it needs.
+            takes: simulated duration of the computation, in [s]; on a real robot the function runs in a
+                thread and takes as long as it needs.
         """
         if not self.backend.simulated:
             return (yield from beside(work, *args))

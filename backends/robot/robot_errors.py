@@ -16,7 +16,7 @@ from handcart.files.suggest import suggest
 
 
 class MissingSensor(HandcartError, ValueError):
-    """The robot has no sensor of that name."""
+    """Error: the robot has no sensor of the requested name."""
 
     exit_status = 2
 
@@ -26,7 +26,7 @@ class MissingSensor(HandcartError, ValueError):
 
 
 class NoSidewaysDrive(HandcartError, ValueError):
-    """The robot's file has a holonomic drive, and the backend cannot drive sideways."""
+    """Error: the robot's file has a holonomic drive, but the backend cannot drive sideways."""
 
     exit_status = 2
 
@@ -36,7 +36,7 @@ class NoSidewaysDrive(HandcartError, ValueError):
 
 
 class UnknownStart(HandcartError, ValueError):
-    """The start is unknown, and the robot cannot find its pose by scans."""
+    """Error: the initial pose is unknown, and the robot cannot find it by scans."""
 
     exit_status = 2
 
@@ -46,4 +46,4 @@ class UnknownStart(HandcartError, ValueError):
 
 
 class StaleReading(HandcartError, RuntimeError):
-    """Error: a sensor delivers an old reading as a new one."""
+    """Error: a sensor delivers an old reading again as if it were new."""

@@ -16,7 +16,7 @@ MAX_PEOPLE_AGE_S = 0.3  # of tracks that are shown
 
 
 class SeenPeople:
-    """Latest tracks of people and carts, with their time."""
+    """Latest tracks of people and carts near the base, for observers and for the localization."""
 
     def __init__(self) -> None:
         """Start without people."""
@@ -29,13 +29,13 @@ class SeenPeople:
         localization: Localization,
         suspects: Sequence[BodyTrack] = (),
     ) -> None:
-        """Keep the tracks of a scan; the next scan is matched with the map without them.
+        """Store the tracks of a scan, and exclude these people from matching the next scan with the map.
 
         Args:
             time: time of the scan, in [s].
             tracks: all people and carts.
             localization: estimate of the base's pose.
-            suspects: bodies that may be people; excluded from the match, too.
+            suspects: bodies that may be people, which are excluded from matching as well.
         """
         self._at, self._tracks = time, list(tracks)
         bodies = [*tracks, *suspects]
@@ -43,5 +43,5 @@ class SeenPeople:
         localization.crowd.put(np.array(discs).reshape(-1, 3))
 
     def now(self, time: float) -> Sequence[BodyTrack]:
-        """Return the tracks at a time in [s]; empty while no drive tracks people."""
+        """Return the latest tracks if they are at most 0.3 s old at a time in [s]; otherwise none."""
         return self._tracks if time <= self._at + MAX_PEOPLE_AGE_S else ()

@@ -22,11 +22,11 @@ DRIVEN_S = 60.0
 
 
 class UnseenGround:
-    """Record of where the base has driven while its lidar saw the ground ahead.
+    """Guard that keeps the base off ground that its lidar does not see.
 
-    Ground that the lidar does not see is behind it with a field of view of 180 degrees, in masked sectors,
-    and along beams that are too close or invalid. The base drives into such ground only where it drove in
-    the current action or in the last minute, so it can drive back along its route.
+    The lidar does not see the ground behind it if its field of view is 180 degrees, nor in masked sectors,
+    nor along beams that are too close or invalid. The base enters unseen ground only where it has driven in
+    the current action or in the last minute, so that it can drive back along its route.
     """
 
     STATE: ClassVar[Kinds] = {"_driven": list[tuple[float, float, float]]}

@@ -23,11 +23,11 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class BackendPlant(Plant):
-    """Plant that turns the motors' demands into commands of a simulated backend, and its readings into
-    encoders.
+    """Link between simulated drives and the robot of a simulated backend.
 
-    Joints report torques (6077h): those that carry the arm's weight and counteract the force that the backend
-    reads at the hand. The gripper's drive reports its greatest torque while the fingers press.
+    It turns the drives' set-points into commands to the robot, and the robot's readings into encoder counts.
+    Joints report torques (6077h) that carry the arm's weight and counteract the force that the backend reads
+    at the hand. The gripper's drive reports its greatest torque while the fingers press.
     """
 
     def __init__(self, robot: RobotFile, spec: CanSpec, axes: Axes, inner: Backend) -> None:

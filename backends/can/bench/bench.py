@@ -77,11 +77,14 @@ class Bench:
         self._drives.serve()
 
     def tick(self, seconds: float) -> None:
-        """Let time pass without a SYNC, in [s]."""
+        """Advance the simulated drives by `seconds` [s] without a SYNC."""
         self._drives.tick(seconds)
 
     def stand_as_left(self, time: float) -> None:
-        """Set the bench's time, in [s], and move the drives to where the robot now is."""
+        """Set the bench's time, in [s], and the drives' positions to those of the simulated robot.
+
+        Called after the simulated world was restored from a checkpoint.
+        """
         self._drives.time = time
         if self._plant is not None:
             self._plant.place(self.drives)
@@ -90,8 +93,8 @@ class Bench:
         """Cause a fault now.
 
         Args:
-            act: causes the fault.
-            node: node ID of the drive that gets it; None: the drive of the first axis.
+            act: function that causes the fault, called with the bench and the drive.
+            node: node ID of the faulty drive; None: the drive of the first axis.
         """
         act(self, self.drives[self.spec.left.node if node is None else node])
 
@@ -99,9 +102,9 @@ class Bench:
         """Plan a fault, in addition to those planned before.
 
         Args:
-            at_s: time of the bench at which it is caused, in [s]; a past time: in the next period.
-            act: causes the fault.
-            node: node ID of the drive that gets it; None: the drive of the first axis.
+            at_s: time of the bench at which the fault is caused, in [s]; a past time: in the next period.
+            act: function that causes the fault, called with the bench and the drive.
+            node: node ID of the faulty drive; None: the drive of the first axis.
         """
         self._planned.append((at_s, lambda: self.go_wrong(act, node)))
 

@@ -17,8 +17,8 @@ Look = Callable[[Bench], object]
 class BenchServer:
     """Real-time server of a bench to a program in another process.
 
-    Each received SYNC is a period. Without SYNCs time passes by the clock, so that drives notice a silent
-    master as real drives do.
+    Each received SYNC advances the simulated drives by one control period. If no SYNCs arrive, they advance
+    with the wall clock, so that they notice a silent master as real drives do.
     """
 
     def __init__(
@@ -52,7 +52,7 @@ class BenchServer:
             self.catch_up()
 
     def catch_up(self) -> None:
-        """Advance the bench by the time that no SYNC accounted for."""
+        """Advance the bench to the present time of the clock if no SYNCs have arrived for 1.5 periods."""
         now = self._clock()
         if self._has_passed():
             self._alone, self._passed = False, now

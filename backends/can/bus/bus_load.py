@@ -16,7 +16,9 @@ _STUFFED, _PLAIN = 34, 13
 
 
 def frame_bits(length: int) -> int:
-    """Return the largest number of bits of a data frame on the wire, the space behind it included.
+    """Return the largest number of bits of a data frame on the wire, with all possible stuff bits.
+
+    The 3 bits of space after the frame are included.
 
     Args:
         length: length of the frame's data, in [bytes].
@@ -66,10 +68,13 @@ class BusLoad:
 
     @property
     def burst_s(self) -> float:
-        """Duration of all frames sent once, in [s]: the largest delay of the last one in a period."""
+        """Time to send each frame once, back to back, in [s].
+
+        This is the largest delay of the last frame in a control period.
+        """
         return sum(frame.bits for frame in self.frames) / self.bitrate
 
     @property
     def too_much(self) -> bool:
-        """True if the load is more than allowed."""
+        """True if the cyclic frames take a larger share of the bus than `MAX_CYCLIC_LOAD`."""
         return self.share > MAX_CYCLIC_LOAD

@@ -21,11 +21,11 @@ _FULL = (errno.ENOBUFS, errno.EAGAIN)
 
 
 class CanLine(canopen.Network):
-    """A CANopen network that takes in frames in the thread of its caller.
+    """A CANopen network that receives frames in the thread of its caller.
 
-    `canopen` starts a thread for that, which ends at a fault of the interface and leaves old readings
-    behind. Here the same call raises, no thread needs to be ended, and on python-can's `virtual` the
-    frames come in the same order in every run.
+    `canopen.Network` receives in a thread of its own. A fault of the interface ends that thread unnoticed,
+    and old readings remain. In this class a fault raises in the call that receives, there is no thread to
+    end, and on python-can's interface `virtual` the frames arrive in the same order in every run.
     """
 
     def __init__(
@@ -49,14 +49,14 @@ class CanLine(canopen.Network):
         """The last of these frames, as text; empty before the first."""
 
     def listen(self, heard: Heard) -> None:
-        """Register one more function that is called with each frame."""
+        """Register a further function that is called with each sent or received frame."""
         self._heard.append(heard)
 
     def send_message(self, can_id: int, data: bytes, remote: bool = False) -> None:
-        """Send a frame; one that the interface has no room for is lost.
+        """Send a frame; if the interface's queue is full, the frame is lost.
 
         Args:
-            can_id: identifier; one above 7FFh is sent as an extended one of 29 bits.
+            can_id: identifier; above 7FFh it is sent as an extended identifier of 29 bits.
             data: data of the frame.
             remote: True for a remote frame, which requests data.
 
@@ -82,9 +82,9 @@ class CanLine(canopen.Network):
             heard(frame, True)
 
     def wait(self, done: Callable[[], bool | None], seconds: float) -> bool:
-        """Receive frames until `done()` is true; return False if it was still false after the longest time.
+        """Receive frames until `done()` is true; return False if it is still false after `seconds`.
 
-        Simulated nodes have answered before this returns, or never will: then no time passes.
+        With simulated nodes the call returns at once, because they answer at once or never.
 
         Args:
             done: returns True if no more frames are needed; it is called after each frame.

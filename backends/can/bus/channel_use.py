@@ -26,15 +26,15 @@ def taken_by(
     is_shared: bool,
     clock: Callable[[], float] = time.monotonic,
 ) -> str:
-    """Return a description of the other nodes on a channel; "" if our nodes would disturb none of them.
+    """Return a description of another node on a channel that our nodes would disturb; "" if none is found.
 
-    At first it only listens: a request from us would stop a robot that runs there. On a channel without a
-    running master all nodes are asked for their device type.
+    The function listens before it sends, because a request would stop a robot that runs on the channel. If
+    nothing is heard, the nodes are asked for their device type.
 
     Args:
         bus: an open bus without any of our nodes.
-        nodes: node IDs that are to be put on it.
-        is_shared: whether other nodes are allowed, as on a wired bus.
+        nodes: node IDs of the nodes that will be added to the channel.
+        is_shared: True if nodes with other IDs are allowed, as on a wired bus.
         clock: gives the time in [s].
     """
     found = _first_heard(bus, nodes, is_shared, clock() + LISTEN_S, clock)
@@ -47,13 +47,13 @@ def taken_by(
 
 
 def own_channel(name: str) -> str:
-    """Return a multicast group for the robot of this name: always the same, rarely that of another."""
+    """Return a multicast address computed from a robot's name; two names rarely have the same address."""
     number = zlib.crc32(name.encode()) % (254 * 254)
     return f"239.74.{1 + number // 254}.{1 + number % 254}"
 
 
 def other_channel_hint(interface: str, name: str) -> str:
-    """Return advice on which channel to use instead of one that another program has.
+    """Return the part of an error message that names a free channel when another program uses the channel.
 
     Args:
         interface: name of the python-can interface.

@@ -39,14 +39,14 @@ from handcart.files.errors import InputError
 
 
 class NoDrives(InputError):
-    """The robot's file doesn't say where its drives are."""
+    """Error: the robot's file has no section `can`, or a part of it is missing."""
 
     def __init__(self) -> None:
         super().__init__("the robot's file has no section 'can'; needed: interface, channel, left, right")
 
 
 class TooManyCounts(InputError):
-    """A possible set-point of an axis doesn't fit into a drive's 32 bits."""
+    """Error: a possible set-point of an axis, in counts, does not fit into a drive's 32 bits."""
 
     def __init__(self, drive: str, counts: float) -> None:
         message = f"{drive} would be told up to {counts:.3g} counts, counts/s or counts/s²"
@@ -54,7 +54,7 @@ class TooManyCounts(InputError):
 
 
 class NoInterface(InputError):
-    """The CAN interface can't be opened."""
+    """Error: the CAN interface cannot be opened."""
 
     def __init__(self, interface: str, channel: str, bitrate: int, why: str) -> None:
         up = f"; is it up? `ip link set {channel} up type can bitrate {bitrate}`"
@@ -63,39 +63,39 @@ class NoInterface(InputError):
 
 
 class ChannelTaken(InputError):
-    """Another robot or bench is on the channel; each would obey and disturb the other."""
+    """Error: another robot or bench uses the channel; its commands would reach our drives, and ours its."""
 
     def __init__(self, interface: str, channel: str, by: str, hint: str) -> None:
         super().__init__(f"{interface} {channel} is in use by {by}; {hint}")
 
 
 class CanFault(RobotFault):
-    """Error on the CAN bus: the robot can't be driven any more; a person has to look at it."""
+    """Error on the CAN bus: the robot cannot be driven any more; a person has to look at it."""
 
 
 class BusFault(CanFault):
-    """The interface doesn't send or receive."""
+    """Error: the CAN interface does not send or receive."""
 
     def __init__(self, doing: str, why: str) -> None:
         super().__init__(f"the CAN bus failed while {doing}: {why}")
 
 
 class QueueFull(BusFault):
-    """The interface has no room for frames to be sent: the bus doesn't take them."""
+    """Error: the CAN interface's queue is full, because the bus does not accept frames."""
 
     def __init__(self, frames: int) -> None:
         super().__init__("sending", f"its queue is full, {frames} frames in a row were lost")
 
 
 class ControllerFault(BusFault):
-    """The CAN controller has gone off the bus, or is about to."""
+    """Error: the CAN controller is in the state bus-off, or close to it, because of transmission errors."""
 
     def __init__(self, state: str) -> None:
         super().__init__("driving", f"the controller is {state}; look at the cable and its terminations")
 
 
 class SilentDrive(CanFault, TimeoutError):
-    """A drive doesn't answer; it has to stop by its own supervision of the bus."""
+    """Error: a drive does not answer. It stops by itself when it misses our heartbeat."""
 
     def __init__(self, drive: str, objects: str, age: float | None) -> None:
         since = "at all" if age is None else f"for {age:.3g} s"
@@ -103,14 +103,14 @@ class SilentDrive(CanFault, TimeoutError):
 
 
 class LostAnswers(CanFault):
-    """Too many answers of a drive get lost."""
+    """Error: too many answers of a drive get lost."""
 
     def __init__(self, drive: str, lost: int, of: int, allowed: str) -> None:
         super().__init__(f"{drive} is unreliable: {lost} of {of} answers didn't come; allowed: {allowed}")
 
 
 class DriveNotReady(CanFault):
-    """A drive isn't enabled; the message contains its state and fault."""
+    """Error: a drive is not enabled; the message contains its state and fault."""
 
     def __init__(self, drive: str, state: str, fault: str) -> None:
         reason = f": {fault}" if fault else ""
@@ -125,7 +125,7 @@ class WrongDrive(CanFault):
 
 
 class EncoderWraps(CanFault):
-    """A drive's counts start over inside the travel of its axis: one reading means several positions."""
+    """Error: a drive's counts start over inside the travel of its axis, so that a reading is ambiguous."""
 
     def __init__(self, drive: str, how: str) -> None:
         super().__init__(f"{drive}: {how}")
@@ -133,7 +133,7 @@ class EncoderWraps(CanFault):
 
 @dataclass(frozen=True)
 class Difference:
-    """A setting of a drive whose value differs from the written one."""
+    """A setting of a drive that has another value than the one written to it."""
 
     drive: str
     index: int
@@ -158,28 +158,28 @@ class ReadBackDiffers(CanFault):
 
 
 class Emergency(CanFault):
-    """A node sends an emergency message (EMCY)."""
+    """Error: a node sends an emergency message (EMCY)."""
 
     def __init__(self, node: str, fault: str) -> None:
         super().__init__(f"{node} sends an emergency message: {fault}")
 
 
 class NodeRestarted(CanFault):
-    """A node has booted, or left OPERATIONAL, during a run: the zero of its counts is no longer certain."""
+    """Error: a node booted, or left OPERATIONAL, during a run; the zero of its counts may have changed."""
 
     def __init__(self, node: str, what: str) -> None:
         super().__init__(f"{node} {what} under way; needed: OPERATIONAL")
 
 
 class TwoNodes(CanFault):
-    """Two nodes have one node ID."""
+    """Error: two nodes have the same node ID."""
 
     def __init__(self, node: str, sign: str) -> None:
         super().__init__(f"two nodes seem to be {node}: {sign}; allowed: each node ID once")
 
 
 class Stranger(CanFault):
-    """Another node sends commands to the drives."""
+    """Error: another node sends commands to the drives."""
 
     def __init__(self, what: str) -> None:
         super().__init__(
@@ -188,28 +188,28 @@ class Stranger(CanFault):
 
 
 class Overloaded(CanFault):
-    """The bus is too busy, or full of nonsense."""
+    """Error: the bus carries too many frames, or too many malformed ones."""
 
     def __init__(self, what: str) -> None:
         super().__init__(f"the CAN bus is overloaded: {what}")
 
 
 class OffDemand(CanFault):
-    """An axis doesn't follow its commands."""
+    """Error: the measured motion of an axis does not follow its commands."""
 
     def __init__(self, drive: str, what: str) -> None:
         super().__init__(f"{drive} doesn't follow: {what}")
 
 
 class BrokenOff(CanFault):
-    """A control period was broken off before its end, by an interrupt or an exception in the program."""
+    """Error: an interrupt or an exception in the program ended a control period early."""
 
     def __init__(self, doing: str, why: BaseException) -> None:
         super().__init__(f"{doing} was broken off: {type(why).__name__}: {why}")
 
 
 class LateLoop(CanFault):
-    """Error: this program doesn't keep its control periods."""
+    """Error: this program takes longer than a control period for its steps."""
 
     def __init__(self, trouble: str) -> None:
         super().__init__(f"the control loop is too slow: {trouble}")

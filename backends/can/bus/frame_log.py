@@ -50,7 +50,8 @@ class FrameLog(Recording):
     """Log of every frame that is sent or received: `frames_000.log`, `frames_001.log` ..., and `frames.json`.
 
     A file holds 16 MiB, about 350,000 frames; when there are more than 9, the second oldest is deleted.
-    Received frames have the interface's time stamps if its clock is the same; all others have `clock`'s.
+    A received frame keeps the interface's time stamp if it is within 60 s of `clock`; every other frame gets
+    the time of `clock`.
     """
 
     suffix = "_frames.log"

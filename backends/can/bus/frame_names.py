@@ -11,7 +11,7 @@ from handcart.files.models.model import FileModel
 
 
 class PdoField(FileModel):
-    """An object in a PDO."""
+    """An object of a node's object dictionary that a PDO contains, with its name and its length."""
 
     index: int
     subindex: int
@@ -41,7 +41,7 @@ class FrameNames(FileModel):
 
 
 def names_of(network: canopen.Network, time: str) -> FrameNames:
-    """Return the names of a network's nodes, and of the PDOs that they are set up for.
+    """Return the names of a network's nodes and of their enabled PDOs.
 
     Args:
         network: network with its nodes.

@@ -43,15 +43,13 @@ class FrameDescription(NamedTuple):
 
 
 class FrameWords:
-    """Translator of frames into words, by the names on a bus; nodes without a name are called by their
-    numbers.
-    """
+    """Translator of CAN frames into text with names of nodes and PDOs; an unnamed node appears as its ID."""
 
     def __init__(self, names: FrameNames) -> None:
         self._names = names
 
     def describe(self, frame: can.Message) -> FrameDescription:
-        """Return a description of any frame, however broken."""
+        """Return a description of a frame, which may be malformed or unknown."""
         if frame.is_error_frame:
             return FrameDescription("bus", "error frame", "", None)
         if frame.is_extended_id or frame.is_fd or frame.is_remote_frame:
@@ -110,7 +108,7 @@ def state_word(statusword: int) -> str:
 
 
 def order_word(controlword: int) -> str:
-    """Return the order that a controlword (6040h) encodes."""
+    """Return the CiA 402 command that a controlword (6040h) encodes, as text, such as "reset fault"."""
     if controlword & 0x80:
         return "reset fault"
     return _ORDERS.get(controlword & 0x0F, f"controlword {controlword:04X}h")

@@ -29,7 +29,7 @@ class Heartbeat:
         self._sent: float | None = None
 
     def beat(self) -> None:
-        """Send a heartbeat if one is due."""
+        """Send a heartbeat if about one heartbeat time has passed since the last."""
         now = self._clock()
         if self._sent is None or now - self._sent >= _EARLY * self._every:
             self._line.send_message(0x700 + self._node, bytes([_OPERATIONAL]))

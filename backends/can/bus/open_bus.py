@@ -54,7 +54,11 @@ class EchoFreeBus(can.BusABC):
 
 
 def open_bus(spec: CanSpec) -> can.BusABC:
-    """Return the interface that a robot's file names; raises `NoInterface`."""
+    """Open the CAN interface that a robot's file names.
+
+    Raises:
+        NoInterface: the interface is missing, down, or of another bit rate.
+    """
     return open_interface(spec.interface, spec.channel, 1000 * spec.bitrate_kbit_s)
 
 

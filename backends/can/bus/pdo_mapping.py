@@ -6,7 +6,7 @@ from canopen.pdo import PdoMap
 
 
 def save_mapping(pdo: PdoMap) -> None:
-    """Write mapping and transmission type of a PDO into its drive; the COB-ID stays the drive's own."""
+    """Write mapping and transmission type of a PDO into its drive; the drive's COB-ID does not change."""
     pdo.com_record[2].raw = pdo.trans_type or 0
     pdo.map_array[0].raw = 0
     for place, item in enumerate(pdo.map, 1):
@@ -19,7 +19,7 @@ def map_objects(pdo: PdoMap, objects: tuple[int, ...], transmission: int) -> Non
     """Replace the objects of a PDO, and enable the PDO with its predefined COB-ID; nothing is sent.
 
     Args:
-        pdo: the PDO, in the library's form.
+        pdo: the PDO, as an object of the library `canopen`.
         objects: indices of the objects, all with sub-index 0.
         transmission: transmission type (CiA 301).
     """

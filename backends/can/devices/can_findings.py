@@ -22,7 +22,7 @@ _CYCLIC = ("csp", "csv")
 
 
 def can_findings(robot: RobotFile, document: Document) -> list[Finding]:
-    """Return all findings, each at its place in the robot's file or in a drive's EDS file."""
+    """Return the faults of a robot's section `can`, each at its place in the robot's file or an EDS file."""
     spec = robot.can
     if spec is None:
         return []
@@ -165,7 +165,7 @@ def _files(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
 
 
 def placed_axes(spec: CanSpec) -> Iterator[tuple[Place, AxisSpec]]:
-    """Yield all drives, with their places in the section `can`."""
+    """Yield the place of each drive in the section `can`, such as `("joints", 0)`, and its specification."""
     yield ("left",), spec.left
     yield ("right",), spec.right
     for number, joint in enumerate(spec.joints):

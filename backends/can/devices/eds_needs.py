@@ -42,8 +42,8 @@ def eds_findings(path: Path, axis: AxisSpec) -> tuple[list[Finding], list[str]]:
         axis: axis whose drive the file describes.
 
     Returns:
-        Faults, each at its place in the EDS file; and lacks of the drive that the robot's file doesn't
-        accept.
+        Faults, each at its place in the EDS file; and messages about functions that the drive lacks, unless
+        the robot's file accepts the lack by `without`.
     """
     try:
         dictionary = read_eds(path, axis.node)
@@ -60,7 +60,7 @@ def eds_findings(path: Path, axis: AxisSpec) -> tuple[list[Finding], list[str]]:
 
 
 def wrap_findings(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[int, str]]:
-    """Yield the node of each drive whose counts wrap inside the travel by its EDS file, and how they do."""
+    """Yield node ID and message of each drive whose counts wrap inside the axis' travel by its EDS file."""
     for _, axis, units, limits in planned_axes(robot, spec):
         if axis.eds is None:
             continue

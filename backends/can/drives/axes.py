@@ -25,9 +25,9 @@ _ANSWER_WITHIN = 0.5  # share of a period
 
 
 class Axes(Mapping[str, Axis]):
-    """Drives that stop together: a fault of one stops all, each with its own kind of stop.
+    """All driven axes of a robot, by name (`left wheel`, `joint 1`, `gripper`).
 
-    It is a mapping from the names of the axes (`left wheel`, `joint 1`, `gripper`) to the axes.
+    A fault of one drive stops all axes, each with the kind of stop that the robot's file gives it.
     """
 
     def __init__(self, robot: RobotFile, spec: CanSpec) -> None:
@@ -62,14 +62,18 @@ class Axes(Mapping[str, Axis]):
         return {axis.spec.node: axis.name for axis in self.values()}
 
     def set_up(self, line: CanLine) -> None:
-        """Write and read back all settings; raises `CanFault`."""
+        """Write the settings of all drives and read them back.
+
+        Raises:
+            CanFault: a drive does not answer or is not as needed, or a setting is read back differently.
+        """
         self._line = line
         for axis in self.values():
             line.add_node(axis)
         set_up(self.values(), self._spec, self._period)
 
     def look(self) -> None:
-        """Read the positions of all axes; raise `CanFault`."""
+        """Read the positions of all axes; raise `CanFault` if a drive cannot be read."""
         look(self.values())
 
     def enable(self, simulated: bool, beat: Callable[[], None]) -> None:
@@ -105,7 +109,7 @@ class Axes(Mapping[str, Axis]):
             check.check()
 
     def end_handshakes(self) -> None:
-        """End the handshake of each axis."""
+        """Withdraw the requests for new set-points from the drives, after they answered."""
         for axis in self.values():
             axis.end_handshake()
 
@@ -115,7 +119,7 @@ class Axes(Mapping[str, Axis]):
             axis.hold()
 
     def quick_stop(self) -> None:
-        """Stop all axes, each with its own kind of stop."""
+        """Stop all axes, each with the kind of stop that the robot's file gives it."""
         _each(axis.quick_stop for axis in self.values())
 
     @property
@@ -130,13 +134,11 @@ class Axes(Mapping[str, Axis]):
         return 3 + round(longest / self._period)
 
     def disable(self) -> None:
-        """Remove the torque where that is allowed; axes with stop: hold keep theirs."""
+        """Remove the torque of all drives, except those with `stop: hold` in the robot's file."""
         _each(axis.disable for axis in self.values())
 
     def leave(self) -> None:
-        """Let no drive take commands any more (NMT enter pre-operational): a PDO that arrives late moves
-        nothing.
-        """
+        """Put all drives into PRE-OPERATIONAL by NMT: in this state, PDOs that arrive late move nothing."""
         _each(axis.leave for axis in self.values())
 
     @property

@@ -41,8 +41,10 @@ _CREEP = 0.01  # of top speed: no way is planned slower
 
 
 class Axis(canopen.RemoteNode):
-    """A CiA 402 drive in one mode of operation; speeds and positions are those of the driven part. Units are
-    [m] for a rim or the fingers' opening, [rad] or [m] for a joint.
+    """A CiA 402 drive in one mode of operation, with its commands and readings.
+
+    Positions are in [m] for a wheel's rim, the fingers' opening or a sliding joint, in [rad] for a turning
+    joint.
     """
 
     def __init__(
@@ -126,12 +128,12 @@ class Axis(canopen.RemoteNode):
     # Single objects, at rest
 
     def read(self, index: int, subindex: int = 0) -> int:
-        """Return the value of an object of the drive."""
+        """Return the value of an object of the drive; raise `SilentDrive` or `WrongDrive`."""
         with self._asked_for(index):
             return int(self._object(index, subindex).raw)
 
     def write(self, index: int, subindex: int, value: int) -> None:
-        """Write an object; raises as `read`."""
+        """Write a value into an object of the drive; raise `SilentDrive` or `WrongDrive`."""
         with self._asked_for(index):
             self._object(index, subindex).raw = value
 
@@ -165,7 +167,7 @@ class Axis(canopen.RemoteNode):
         self.network.send_message(0, bytes([_PREPARE, self.spec.node]))
 
     def save_pdos(self) -> None:
-        """Write the mapping of all PDOs that are used; raises as `read`."""
+        """Write the mapping of all used PDOs into the drive; raise `SilentDrive` or `WrongDrive`."""
         for pdo in (*self._commands, *self._answers):
             with self._asked_for(pdo.com_record.od.index):
                 pdo.save() if pdo.com_record[1].writable else save_mapping(pdo)
@@ -186,7 +188,7 @@ class Axis(canopen.RemoteNode):
         self._target = target
 
     def stand(self, position: float) -> None:
-        """Hold a position in [m] or [rad] at which the enabled drive is at rest."""
+        """Set command and expected position to the position [m] or [rad] at which the enabled drive rests."""
         self._target = position if self.positioned else 0.0
         self._sent = self.units.counts(position) if self.positioned else None
         self.expected.stand_at(position)
@@ -319,7 +321,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def jump(self) -> str:
-        """Size of the first jump of the drive's position, and its likely cause in the encoder, as text."""
+        """Size, as text, of the first implausible jump of the measured position, and its likely cause."""
         bits = encoder_bits(self._jump - self._jump_way, 0.1 * abs(self._jump_way) + 2.0)
         size = f"by {self._jump} counts ({self._jump / self.units.scale:.3g} m or rad)"
         if bits is None:
@@ -333,8 +335,8 @@ class Axis(canopen.RemoteNode):
         return self.units.position(0 if self._counts is None else self._counts)
 
     def place(self, counts: int, velocity: int = 0, torque: int = 0) -> None:
-        """Set the counts, the velocity in [counts/s] and the torque in thousandths of the rated one, read by
-        SDO before the first SYNC.
+        """Set the measured values that were read by SDO before the first SYNC: the position in [counts], the
+        velocity in [counts/s] and the torque in thousandths of the rated torque.
         """
         self._counts, self._taken, self._reported_travel, self.odd = counts, self._asked, 0.0, 0
         self._jumps.forget()
@@ -385,8 +387,8 @@ class Axis(canopen.RemoteNode):
 
     @property
     def fault(self) -> str:
-        """Return the fault of the error code, or of the last emergency message, in words; empty without a
-        fault.
+        """Fault that the drive's error code (603Fh) or last emergency message reports, in words; empty
+        without a fault.
         """
         active = self.emcy.active[-1].code if self.emcy.active else 0
         return fault_words(self._reported.get(0x603F, 0) or active)

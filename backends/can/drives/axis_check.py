@@ -45,10 +45,10 @@ class AxisCheck:
         """Check the axis after a period.
 
         Raises:
-            SilentDrive: the drive hasn't answered for too long.
+            SilentDrive: the drive has not answered for several periods.
             LostAnswers: too many of the drive's answers were lost.
-            DriveNotReady: the drive is in another state or mode.
-            OffDemand: the drive doesn't follow its commands.
+            DriveNotReady: the drive is not in OPERATION ENABLED, or not in its mode of operation.
+            OffDemand: the drive does not follow its commands.
         """
         axis = self._axis
         axis.advance()

@@ -17,7 +17,9 @@ FULL_TORQUE = 1000
 
 
 class AxisLimits(NamedTuple):
-    """Limits of an axis, in [m] for a rim, a sliding joint or the fingers' opening, in [rad] for a turning
+    """Limits of an axis' position, speed, acceleration and torque.
+
+    Positions are in [m] for a wheel's rim, a sliding joint or the fingers' opening, in [rad] for a turning
     joint.
     """
 
@@ -37,13 +39,13 @@ class AxisLimits(NamedTuple):
 
 
 def rim_speed(robot: RobotFile) -> float:
-    """Return the highest speed that a wheel's rim ever needs, in [m/s]."""
+    """Return the speed of a wheel's rim at the base's top speed and top turn rate together, in [m/s]."""
     drive = robot.drive
     return drive.top_speed_m_s + math.radians(drive.top_turn_deg_s) * drive.tread_m / 2
 
 
 def rim_acceleration(robot: RobotFile) -> float:
-    """Return the highest acceleration that a wheel's rim ever needs, in [m/s²]."""
+    """Return the acceleration of a wheel's rim at the base's largest accelerations together, in [m/s²]."""
     drive = robot.drive
     return drive.acceleration_m_s2 + math.radians(drive.turn_acceleration_deg_s2) * drive.tread_m / 2
 

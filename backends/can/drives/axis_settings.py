@@ -28,7 +28,7 @@ _IF_THERE = (
 
 @dataclass(frozen=True)
 class ObjectValue:
-    """An object of a drive by index and sub-index, and the value that it is to have."""
+    """An object of a drive, by index and sub-index, and the value to write to it."""
 
     index: int
     subindex: int
@@ -44,7 +44,7 @@ def settings(axis: Axis, spec: CanSpec, period: float) -> list[ObjectValue]:
 
 
 def mapping(axis: Axis) -> Iterator[ObjectValue]:
-    """Yield the values that the objects of an axis' PDOs must have when they are read back."""
+    """Yield the objects that configure an axis' PDOs (CiA 301), with the values that they must have."""
     for first, mapped, pdos in (
         (0x1400, 0x1600, axis.layout.commands),
         (0x1800, 0x1A00, axis.layout.answers),

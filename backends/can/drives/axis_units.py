@@ -29,8 +29,8 @@ class AxisUnits:
         return round(value * self.scale)
 
     def size(self, value: float) -> int:
-        """Return the size of a speed or acceleration, in [m] or [rad] per second (squared), as counts/s or
-        counts/s².
+        """Return the absolute value of a speed or acceleration, in [m] or [rad] per second (squared), as
+        counts/s or counts/s².
         """
         return abs(self.rate(value))
 
@@ -40,7 +40,7 @@ class AxisUnits:
 
 
 def unwrapped(counts: int, before: int, size: int = 2**32) -> int:
-    """Return the change of a counter since an earlier reading, by less than half a round either way.
+    """Return the signed change of a wrapping counter, of at most half of its range, since an earlier reading.
 
     Args:
         counts: reading now.

@@ -70,12 +70,15 @@ def look(axes: Iterable[Axis]) -> None:
 
 
 def read_back(axis: Axis, spec: CanSpec, period: float) -> Iterator[Difference]:
-    """Yield every setting of a drive that is not as it should be; raise `SilentDrive`.
+    """Read all settings of a drive, and yield those that differ from the written ones.
 
     Args:
         axis: drive on a network.
         spec: the section `can` of the robot's file.
         period: time between two SYNCs, in [s].
+
+    Raises:
+        SilentDrive: the drive does not answer.
     """
     for setting in (*settings(axis, spec, period), *mapping(axis)):
         got = _read(axis, setting)

@@ -12,7 +12,11 @@ from .profile import approach, ramp
 
 @dataclass
 class ExpectedMotion:
-    """Motion of an axis by the ramps that its drive plans; a cyclic set-point is valid one period later."""
+    """Simulated motion that an axis should make by its commands, for comparison with the measured motion.
+
+    In profile modes it follows the ramps that the drive plans; in cyclic modes the drive applies a set-point
+    one period after it was sent.
+    """
 
     mode: int
     limits: AxisLimits
@@ -33,7 +37,7 @@ class ExpectedMotion:
         self._next = 0.0 if self.mode == CYCLIC_VELOCITY else position
 
     def advance(self, target: float, top: float, period: float) -> None:
-        """Advance by one period.
+        """Advance the expected motion by one period.
 
         Args:
             target: speed of a wheel in [m/s], otherwise a position in [m] or [rad].

@@ -15,11 +15,11 @@ _LIKE = 0.02  # share by which a jump may differ from the range of an encoder
 
 
 class PositionJumps:
-    """Plausibility test of each travel between two positions, by the reported and commanded speeds around it.
+    """Plausibility test of the difference between two successive measured positions of a drive.
 
-    A travel in [counts] must be between no motion and twice that of the fastest of these speeds, because
-    periods differ in length. An encoder that wraps jumps against its motion, even by less than the following
-    error window.
+    The difference, in [counts], must lie between no motion and twice the motion at the highest speed that was
+    reported or commanded in the last three periods; twice, because periods differ in length. An encoder that
+    wraps jumps against its motion, so the test finds jumps that are smaller than the following error window.
     """
 
     def __init__(self, limits: AxisLimits, scale: float, period: float) -> None:
@@ -37,7 +37,7 @@ class PositionJumps:
         self._speeds: deque[float] = deque(maxlen=2 * _LOOKS_BACK)
 
     def note(self, reported: float, commanded: float) -> None:
-        """Record the speeds of a period, by which later travels are tested.
+        """Record the speeds of a period, for the test of later position differences.
 
         Args:
             reported: speed that the drive reports, in [counts/s].
@@ -46,12 +46,12 @@ class PositionJumps:
         self._speeds += (reported, commanded)
 
     def excess(self, moved: int, periods: int) -> float:
-        """Return by how many counts a travel exceeds the possible ones, with the sign of the excess; 0 for a
-        possible travel.
+        """Return by how many counts a travel lies outside the plausible range, signed; 0 for a plausible
+        travel.
 
         Args:
-            moved: travel in [counts], signed.
-            periods: number of periods in which it happened.
+            moved: signed difference of two measured positions, in [counts].
+            periods: number of periods between the two positions.
         """
         reach = 2.0 * self._period * (periods + 1)
         lowest = min(0.0, *self._speeds) * reach - self._noise
@@ -59,16 +59,17 @@ class PositionJumps:
         return moved - min(max(float(moved), lowest), highest)
 
     def forget(self) -> None:
-        """Start monitoring again, from another position at rest."""
+        """Forget all recorded speeds, because the axis now rests at another position."""
         self._speeds.clear()
 
 
 def encoder_bits(jump: float, uncertainty: float) -> int | None:
-    """Return the number of bits of an encoder whose wrap is a jump of this size; None if no usual encoder has
-    such a wrap.
+    """Return the number of bits b of an encoder that explains a position jump: by about 2^b counts, one wrap.
+
+    None if no number of bits from 8 to 31 explains the jump.
 
     Args:
-        jump: in [counts], of either sign.
+        jump: jump of the position, in [counts], of either sign.
         uncertainty: largest error of the jump, in [counts].
     """
     if abs(jump) < 1.0:

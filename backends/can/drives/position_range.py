@@ -43,12 +43,14 @@ def described_range(dictionary: ObjectDictionary) -> PositionRange:
 
 
 def narrowed(known: PositionRange, lowest: object, highest: object) -> PositionRange:
-    """Return the part of a range within limits; limits that aren't a range of integers are ignored.
+    """Return the intersection of a range with two limits that a drive or its EDS file states.
+
+    Limits that are not integers, or not in ascending order, are ignored; drives without limits state 0 and 0.
 
     Args:
         known: range so far.
-        lowest: lowest count; without a limit drives have 0 here and in `highest`.
-        highest: highest count; both limits are ignored unless it is above `lowest`.
+        lowest: stated lowest count.
+        highest: stated highest count.
     """
     if not isinstance(lowest, int) or not isinstance(highest, int) or lowest >= highest:
         return known
@@ -56,7 +58,7 @@ def narrowed(known: PositionRange, lowest: object, highest: object) -> PositionR
 
 
 def other_type(dictionary: ObjectDictionary) -> str:
-    """Return what is wrong with the data type of 6064h, "" if it is an INTEGER32."""
+    """Return a message if the data type of the position (6064h) is not INTEGER32; "" otherwise."""
     position = dictionary.get(POSITION)
     if not isinstance(position, ODVariable) or position.data_type == INTEGER32:
         return ""
@@ -68,15 +70,15 @@ def other_type(dictionary: ObjectDictionary) -> str:
 def wrap_inside_travel(
     units: AxisUnits, limits: AxisLimits, period: float, counted: PositionRange, is_positioned: bool
 ) -> str:
-    """Return how a drive's counts wrap inside the travel of its axis, "" if they do not.
+    """Return a message if a drive's counts wrap inside the travel of its axis; "" if they do not.
 
     Args:
         units: units of the axis.
         limits: limits of the axis.
         period: control period [s].
         counted: the range in which the drive counts.
-        is_positioned: whether the axis gets positions. A rolling one may wrap, in less than half a range each
-            period.
+        is_positioned: True if the axis is under position control. A wheel is not: its counts may wrap if a
+            range lasts for more than 8 periods at full speed.
     """
     size = f"its position (6064h) wraps every {counted.size} counts ({counted.size / abs(units.scale):.3g}"
     if not is_positioned:

@@ -55,7 +55,8 @@ def read_eds(path: Path, node: int) -> ObjectDictionary:
     are not numbers are ignored, as in the library.
 
     Raises:
-        FileError: the file is missing, or the library can't read it: each place, with the allowed content.
+        FileError: the file is missing, or the library cannot read it; the error lists each wrong place with
+            the content that is allowed there.
     """
     name = str(path)
     text = as_the_library_spells(decoded(read_regular_file(path, MAX_BYTES)))

@@ -9,7 +9,7 @@ from handcart.backends.description.can_spec import AxisSpec, Without
 
 
 class Lack(NamedTuple):
-    """Objects that not every maker's drive has."""
+    """A feature that some drives lack: its objects, and the consequence of using a drive without it."""
 
     objects: tuple[int, ...]
     what: str
@@ -62,17 +62,22 @@ DEVICE_LACKS: Mapping[Without, Lack] = {
 
 
 def left_out(axis: AxisSpec) -> frozenset[int]:
-    """Return the objects that an axis is used without."""
+    """Return the indices of the objects that, by the robot's file, an axis' drive lacks (`without`)."""
     return frozenset(index for item in axis.without for index in DEVICE_LACKS[item].objects)
 
 
 def lack_of(index: int) -> Without | None:
-    """Return the name of the lack that a missing object belongs to; None if the object is always needed."""
+    """Return the name, for `without` in the robot's file, of the feature that an object belongs to.
+
+    None if every drive needs the object.
+    """
     return next((word for word, lack in DEVICE_LACKS.items() if index in lack.objects), None)
 
 
 def accepting(index: int) -> str:
-    """Return how the robot's file can accept that an object is missing; "" if it can't."""
+    """Return the end of a message, about how a robot's file accepts a drive without an object; "" if it
+    cannot.
+    """
     word = lack_of(index)
     return (
         ""
@@ -82,5 +87,5 @@ def accepting(index: int) -> str:
 
 
 def not_watched(axis: AxisSpec) -> list[str]:
-    """Return, as texts, the checks that an axis loses by missing objects that its robot's file accepts."""
+    """Return messages with the consequence of each feature that, by the robot's file, a drive lacks."""
     return [f"without {DEVICE_LACKS[item].what}: {DEVICE_LACKS[item].then}" for item in axis.without]

@@ -17,7 +17,10 @@ _MOST = 100.0  # [rad/s], [m/s²]: no robot turns or falls like that
 
 
 class LineImu(LineSensor, Imu):
-    """IMU that sends lines `$IMU`, at a higher or lower rate than the control's; its axes are the base's."""
+    """IMU on a serial port or socket that sends its readings as lines `$IMU`; its axes are those of the base.
+
+    It may send more or fewer than one line in a control period.
+    """
 
     KIND = "IMU"
 
@@ -27,19 +30,23 @@ class LineImu(LineSensor, Imu):
         self._mean = np.zeros(6)
 
     def rates(self) -> FloatArray:
-        """Return the mean angular velocities (3,) about the base's axes x, y and z, in [rad/s].
+        """Return the angular velocities (3,) about the base's axes x, y and z, in [rad/s].
+
+        They are the mean of the lines that arrived in one control period.
 
         Raises:
-            StaleSensor: no fresh reading has arrived.
+            StaleSensor: the last line is older than the robot's file allows.
         """
         self.check_fresh()
         return self._mean[:3].copy()
 
     def accelerations(self) -> FloatArray:
-        """Return the mean accelerations (3,) along the base's x, y and z, in [m/s²]; +9.81 along z at rest.
+        """Return the accelerations (3,) along the base's x, y and z, in [m/s²]; +9.81 along z at rest.
+
+        They are the mean of the lines that arrived in one control period.
 
         Raises:
-            StaleSensor: no fresh reading has arrived.
+            StaleSensor: the last line is older than the robot's file allows.
         """
         self.check_fresh()
         return self._mean[3:].copy()

@@ -16,7 +16,10 @@ from .sensor_lines import SensorLine, read_line
 
 
 class LineSensor(LiveSensor):
-    """Sensor that sends lines of one kind; lines that are damaged or out of order are dropped and counted."""
+    """Sensor on a serial port or socket that sends its readings as text lines with time stamps.
+
+    Damaged, implausible or late lines are dropped and counted.
+    """
 
     KIND: str
     """First word of the sensor's lines, such as `RANGE`."""

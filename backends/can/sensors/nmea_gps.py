@@ -22,7 +22,7 @@ class NmeaGps(LiveSensor, Gps):
     """Satellite receiver that reads the NMEA sentences GGA and, if sent, GST.
 
     Positions are in a plane at the task's origin, in which a distance is correct to 1 mm up to 10 km from
-    the origin. A fix counts once, and only if its time of day advances with this machine's clock: see
+    the origin. A fix is used once, and only if its time of day advances with this machine's clock: see
     `UtcOrder`.
     """
 

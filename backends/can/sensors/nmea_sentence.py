@@ -31,7 +31,7 @@ NO_SATELLITE_FIXES = {0: "invalid", 6: "estimated by dead reckoning", 7: "typed 
 
 
 class Position(NamedTuple):
-    """Position of a satellite receiver: an NMEA sentence GGA."""
+    """Position that a satellite receiver reports in an NMEA sentence GGA."""
 
     utc: float
     """Time of day (UTC), in [s]."""
@@ -50,7 +50,7 @@ class Position(NamedTuple):
 
 
 class Accuracy(NamedTuple):
-    """Accuracy of a fix, an NMEA sentence GST."""
+    """Accuracy of a position fix that a satellite receiver reports in an NMEA sentence GST."""
 
     utc: float
     """Time of day (UTC) to which the accuracy belongs, in [s]."""
@@ -59,8 +59,7 @@ class Accuracy(NamedTuple):
 
 
 def read_sentence(line: bytes) -> Position | Accuracy | None:
-    """Return a parsed sentence; None for another kind of sentence, or for one without a position (no
-    satellites).
+    """Return a parsed GGA or GST sentence; None for any other kind, or if the receiver has no position.
 
     Raises:
         ValueError: the sentence is damaged, or has another form than in NMEA 0183.

@@ -30,7 +30,7 @@ _STAMP = re.compile(r"\d{1,15}", re.ASCII)
 
 
 class SensorLine(NamedTuple):
-    """A line that was received undamaged."""
+    """A parsed line of a sensor, whose checksum is correct."""
 
     kind: str
     """RANGE or IMU."""
@@ -41,7 +41,7 @@ class SensorLine(NamedTuple):
 
 
 def checksum(body: bytes) -> int:
-    """Return the exclusive or of all bytes."""
+    """Return the checksum of a line: the exclusive or of all bytes between `$` and `*`."""
     return reduce(xor, body, 0)
 
 

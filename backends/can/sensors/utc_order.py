@@ -11,11 +11,12 @@ _DRIFT = 1e-4  # by which this machine's clock may run slower or faster than UTC
 
 
 class UtcOrder:
-    """Check of times of day against this machine's clock; no time counts twice, and no old one counts.
+    """Filter that rejects repeated and old times of day of a satellite receiver, by this machine's clock.
 
-    The delay of the receiver behind the clock is unknown; but it does not grow by more than the clocks'
-    drift. Times that are early count once four more confirm them, as after a sleep of the machine. A late one
-    never counts: a receiver whose clock was set back is believed after a restart of the program.
+    The delay between receiver and clock is unknown, but it grows by no more than the clocks' drift. A time
+    that is earlier than possible is accepted only after four more times confirm it, as after a sleep of the
+    machine. A late time is never accepted: if a receiver's clock was set back, the program has to be
+    restarted.
     """
 
     def __init__(self, late: float) -> None:
@@ -36,7 +37,7 @@ class UtcOrder:
         """Last times that did not count because they were early, but advance with the machine's clock."""
 
     def is_new(self, utc: float, now: float) -> bool:
-        """Return True if a received time of day counts; then it is kept as the last one.
+        """Return True if a received time of day is accepted as new; later times are then compared with it.
 
         Args:
             utc: received time of day, in [s].

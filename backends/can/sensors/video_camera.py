@@ -21,9 +21,10 @@ _RETRY = 0.05  # [s] after a picture that didn't come
 
 
 class VideoCamera(LiveSensor, PlacedCamera):
-    """Pictures of a device or a URL, grabbed beside the control loop, or of a file, one a period.
+    """Camera whose pictures come from a video device, a URL, or a file with a video or a picture.
 
-    The last picture of a file stays when it ends: a file with one picture shows that for good.
+    A thread grabs the pictures of a device or URL. A file delivers one picture in each control period, and
+    its last picture again after its end.
     """
 
     def __init__(self, source: CameraSource, mounted: MountedCamera, clock: Clock = time.monotonic) -> None:
@@ -67,7 +68,7 @@ class VideoCamera(LiveSensor, PlacedCamera):
         """Return the newest picture (h, w), grey, from 0 to 255, with the lens's distortion.
 
         Raises:
-            StaleSensor: no fresh picture has arrived.
+            StaleSensor: the newest picture is older than the robot's file allows.
         """
         self.check_fresh()
         assert self._image is not None

@@ -8,7 +8,10 @@ from .drive_mode import SETPOINT_TAKEN, DriveMode
 
 
 class CyclicPosition(DriveMode):
-    """Mode 8: moves evenly to the target position (607Ah) within the interpolation period (60C2h)."""
+    """CiA 402 mode 8 (CSP) of a simulated drive.
+
+    The drive moves at constant speed to the target position (607Ah) within the interpolation period (60C2h).
+    """
 
     @override
     def begin(self) -> None:
@@ -41,7 +44,7 @@ class CyclicPosition(DriveMode):
 
 
 class CyclicVelocity(DriveMode):
-    """Mode 9: runs at the target velocity (60FFh) that it had at the last SYNC."""
+    """CiA 402 mode 9 (CSV) of a simulated drive: it runs at the target velocity (60FFh) of the last SYNC."""
 
     @override
     def begin(self) -> None:

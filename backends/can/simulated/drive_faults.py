@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 @dataclass
 class DriveFaults:
-    """Faults of a simulated drive, none at first; a bench sets them. Counts are those of its encoder."""
+    """Faults of a simulated drive, none at first; a bench sets them. [counts] are counts of its encoder."""
 
     silent: bool = False
     """True if the drive sends no PDOs any more, though it still receives frames."""
@@ -40,12 +40,14 @@ class DriveFaults:
 
     @property
     def notices(self) -> bool:
-        """Return True if the drive's own supervision of its motor works."""
+        """True if the drive notices a following error: not with a fault in `gain` or `late`."""
         return self.gain == 1.0 and self.late == 0
 
     def astray(self, way: float) -> float:
-        """Return the motor's position less its demand, in [counts], after the demand has moved by `way`
-        [counts] in a period.
+        """Return the error that the faults cause: the motor's position minus its set-point, in [counts].
+
+        Args:
+            way: motion of the set-point in this period, in [counts].
         """
         if not self.notices:
             self._behind.append(way * self.gain)

@@ -35,7 +35,10 @@ _STAYING = range(5, 9)  # quick stop option codes (605Ah) that end in QUICK STOP
 
 
 class DriveLife:
-    """State machine with typed methods; a method without a transition from the current state does nothing."""
+    """State machine of a simulated CiA 402 drive.
+
+    A method whose transition does not exist in the current state does nothing.
+    """
 
     def __init__(self) -> None:
         self._state = OFF
@@ -69,7 +72,7 @@ class DriveLife:
         self._go("_reset" if rising & 0x80 else _trigger(controlword))
 
     def quick_stop(self) -> None:
-        """Stop quickly, as by a controlword."""
+        """Begin a quick stop, as the controlword for it does."""
         self._go("_quick_stop")
 
     def disable(self) -> None:

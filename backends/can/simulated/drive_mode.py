@@ -17,7 +17,7 @@ NEW_SETPOINT, AT_ONCE, RELATIVE = 1 << 4, 1 << 5, 1 << 6
 
 @dataclass
 class Demand:
-    """Set-points that the drive's own planning gives its motor."""
+    """Set-points of a simulated drive's motor, as the drive plans them in each period."""
 
     position: float = 0.0
     """Position of the motor, in [counts]; homing doesn't change it."""
@@ -29,7 +29,7 @@ class Demand:
     """Below this position of the motor the negative limit switch is pressed, in [counts]."""
 
     def brake(self, rate: float, seconds: float) -> None:
-        """Slow down to rest.
+        """Advance the set-points while the drive brakes to rest.
 
         Args:
             rate: deceleration, in [counts/s²].
@@ -46,7 +46,7 @@ class DriveMode(ABC):
         self.objects, self.demand = objects, demand
 
     def begin(self) -> None:
-        """Hold the position: the drive was enabled in this mode, or changed to it."""
+        """Start the mode, when the drive is enabled in it or changes to it: hold the present position."""
         return
 
     def control(self, controlword: int, rising: int) -> None:
@@ -64,14 +64,14 @@ class DriveMode(ABC):
 
     @abstractmethod
     def advance(self, seconds: float) -> None:
-        """Let time pass, in [s], in OPERATION ENABLED."""
+        """Advance the motor's set-points by `seconds` [s], while the drive is in OPERATION ENABLED."""
 
     @property
     def status(self) -> int:
-        """Mode's bits of the statusword (6041h)."""
+        """Bits of the statusword (6041h) that the mode sets."""
         return 0
 
     @property
     def position_loop(self) -> bool:
-        """Return True if the drive watches its following error."""
+        """True if the drive supervises its following error in this mode."""
         return True

@@ -14,7 +14,7 @@ class DriveNmt(NmtSlave):
         self._waited = 0.0
 
     def advance(self, seconds: float) -> bool:
-        """Let time pass, in [s]; return whether a heartbeat is due."""
+        """Advance the simulated time by `seconds` [s]; return True if a heartbeat is due."""
         if self._heartbeat_time_ms == 0 or self.state == "INITIALISING":
             return False
         self._waited += 1e3 * seconds

@@ -41,14 +41,14 @@ HEARTBEAT_LOST, RPDO_LATE, FOLLOWING = 0x8130, 0x8250, 0x8611
 
 
 class DriveNode(canopen.LocalNode):
-    """A servo drive: state machine, profile and cyclic modes, homing, supervision of bus and motor.
+    """A simulated servo drive: state machine, profile and cyclic modes, homing, supervision of bus and motor.
 
-    It reads no clock: `advance` lets time pass, `latch` and `answer` are a SYNC. `driven` is the set-point
-    of the motor; `moved` sets its resulting position, see `Plant`. Without torque (SWITCH ON DISABLED ...)
-    a brake stops it as the quick stop does, and holds it.
+    The drive reads no clock: `advance` advances its time, and a SYNC consists of `latch` and `answer`.
+    `driven` is the set-point of the motor; `moved` sets the position that the motor reached (see `Plant`).
+    Without torque (SWITCH ON DISABLED ...) a brake stops the motor as the quick stop does, and holds it.
 
-    It has only the objects of its EDS, and of its modes of operation only those that it supports (6502h);
-    access to others is aborted.
+    SDO access to objects that the drive's EDS lacks is aborted, and modes that 6502h lacks cannot be
+    selected.
 
     Differences from real drives: the motor of a `Plant` has no current; any setting is accepted in any
     state; following errors are watched in position modes alone; the only digital input is the negative
@@ -103,7 +103,7 @@ class DriveNode(canopen.LocalNode):
         self.boot()
 
     def boot(self) -> None:
-        """Begin as after power on: nothing is set, the position is counted from here."""
+        """Restart the drive as after power on: settings are at their defaults, NMT state PRE-OPERATIONAL."""
         self._power_on()
         self.data_store.clear()
         self.nmt.start_heartbeat(0)
@@ -152,12 +152,12 @@ class DriveNode(canopen.LocalNode):
             self._take_all(values)
 
     def get_data(self, index: int, subindex: int, check_readable: bool = False) -> bytes:
-        """Return an object's data, as canopen's node does; a variable is found under any sub-index."""
+        """Return an object's data, as canopen's node does; abort if the EDS lacks index or sub-index."""
         self._check_there(index, subindex)
         return super().get_data(index, subindex, check_readable)
 
     def set_data(self, index: int, subindex: int, data: bytes, check_writable: bool = False) -> None:
-        """Set an object's data, as canopen's node does; a variable is found under any sub-index."""
+        """Set an object's data, as canopen's node does; abort if the EDS lacks index or sub-index."""
         self._check_there(index, subindex)
         super().set_data(index, subindex, data, check_writable)
 
@@ -209,7 +209,7 @@ class DriveNode(canopen.LocalNode):
     # Time
 
     def advance(self, seconds: float) -> None:
-        """Let time pass, in [s]: the drive plans its motion, and checks bus and motor."""
+        """Advance the drive by `seconds` [s]: plan the motor's motion, and supervise bus and motor."""
         before, left = self.demand.position, seconds
         while left > 1e-9:
             part = min(_SLICE, left)
@@ -282,7 +282,7 @@ class DriveNode(canopen.LocalNode):
             self.nmt.state = becomes
 
     def latch(self) -> None:
-        """Apply the set-points that waited for this SYNC."""
+        """Apply the set-points of synchronous PDOs that were received before this SYNC."""
         waiting, self._waiting = self._waiting, []
         self._take_all(waiting)
         mode = self._modes.get(self._mode)

@@ -16,9 +16,10 @@ _FAILED = 1 << 13
 
 
 class Homing(DriveMode):
-    """Mode 6, methods 17, 35 and 37 (6098h): begins when bit 4 of the controlword rises.
+    """CiA 402 mode 6 of a simulated drive, with the homing methods 17, 35 and 37 (6098h).
 
-    At home the position actual value becomes the home offset (607Ch).
+    Homing begins when bit 4 of the controlword rises. At the home position, the position actual value (6064h)
+    is set to the home offset (607Ch).
     """
 
     @override

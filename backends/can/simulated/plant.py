@@ -11,12 +11,12 @@ from .drive_node import DriveNode
 
 
 class Plant(ABC):
-    """Load that moves when its motors are driven."""
+    """Interface of a simulated mechanical load that the motors of simulated drives move."""
 
     @abstractmethod
     def step(self, drives: Mapping[int, DriveNode], seconds: float) -> None:
-        """Advance by a time in [s], each motor driven to `drive.driven`; give each drive its new position by
-        `moved`.
+        """Move all motors towards their set-points `drive.driven`, and report their positions by
+        `drive.moved`.
 
         Args:
             drives: drives by node ID.

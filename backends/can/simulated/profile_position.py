@@ -10,10 +10,11 @@ from .drive_mode import AT_ONCE, NEW_SETPOINT, RELATIVE, SETPOINT_TAKEN, TARGET_
 
 
 class ProfilePosition(DriveMode):
-    """Mode 1, with the handshake of CiA 402-2: a set-point counts when bit 4 of the controlword rises.
+    """CiA 402 mode 1 of a simulated drive, with the handshake of CiA 402-2.
 
-    Bit 5 takes it at once; without it, one more set-point waits until the first is reached. Bit 12 of the
-    statusword is set while the drive can't take another.
+    A set-point is accepted when bit 4 of the controlword rises. With bit 5 it applies at once; without bit 5
+    it waits until the present set-point is reached. Bit 12 of the statusword is set while the drive cannot
+    accept a further set-point.
     """
 
     @override

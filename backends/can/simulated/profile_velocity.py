@@ -10,7 +10,10 @@ from .drive_mode import TARGET_REACHED, DriveMode
 
 
 class ProfileVelocity(DriveMode):
-    """Mode 3: ramps to the target velocity (60FFh) with acceleration 6083h and deceleration 6084h."""
+    """CiA 402 mode 3 of a simulated drive.
+
+    Its speed ramps to the target velocity (60FFh) with acceleration 6083h and deceleration 6084h.
+    """
 
     @override
     def begin(self) -> None:

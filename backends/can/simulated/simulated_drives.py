@@ -17,9 +17,9 @@ SYNC_COB_ID = 0x80
 
 
 class SimulatedDrives:
-    """Drives that run in the thread of their caller.
+    """Simulated drives on one CAN bus, which run in the thread of their caller.
 
-    Their time is the bus's: each SYNC is one period, and no clock is read.
+    Each SYNC advances their time by one period; no clock is read.
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class SimulatedDrives:
         self.line.subscribe(SYNC_COB_ID, self._on_sync)
 
     def open(self) -> can.BusABC:
-        """Return another end of their virtual bus that a client can use."""
+        """Return a new connection to the drives' virtual bus, for a client."""
         return VirtualBus(self._channel)
 
     def serve(self) -> None:
@@ -63,7 +63,7 @@ class SimulatedDrives:
         self.line.drain()
 
     def tick(self, seconds: float) -> None:
-        """Let time pass, in [s]."""
+        """Advance drives and load by `seconds` [s]."""
         self.time += seconds
         for look in self.onlookers:
             look()
@@ -72,7 +72,7 @@ class SimulatedDrives:
         self._plant.step(self.nodes, seconds)
 
     def close(self) -> None:
-        """Leave the bus. A second call does nothing."""
+        """Close the drives' connection to the bus. A second call does nothing."""
         self.line.close()
 
     def _on_sync(self, *_: object) -> None:

@@ -19,7 +19,7 @@ from .watch import Watch
 
 
 class BusGuard:
-    """All watches of a bus together; they receive every frame from the beginning."""
+    """Monitor of a CAN bus that combines all watches (`Watch`) and passes every frame to them."""
 
     def __init__(self, line: CanLine, axes: Axes, spec: CanSpec, clock: Callable[[], float]) -> None:
         """Begin to listen.
@@ -45,13 +45,16 @@ class BusGuard:
         line.listen(self._hear)
 
     def begin(self) -> None:
-        """Begin to watch: the drives are enabled."""
+        """Begin to check for faults, once the drives are enabled."""
         now = self._clock()
         for watch in self._watches:
             watch.begin(now)
 
     def end_set_up(self) -> None:
-        """Forget the frames of set-up: on a bench they take no time, and would count as load of a period."""
+        """Forget the load of the frames that set up the drives.
+
+        On a bench these frames all have the same time, and would count as load of one period.
+        """
         self._traffic.begin(self._clock())
 
     def check(self) -> None:

@@ -52,7 +52,11 @@ class TrafficWatch(Watch):
         self._bits += bits
 
     def check(self, now: float) -> None:
-        """Raise `Overloaded` if the bus carries too much traffic, at a time `now` in [s]."""
+        """Raise `Overloaded` if the bus load is too high or too many frames are malformed.
+
+        Args:
+            now: present time, in [s].
+        """
         while self._frames and self._frames[0][0] < now - WINDOW - 1e-9:
             self._bits -= self._frames.popleft()[1]
         load = self._bits / (WINDOW * self._bitrate)

@@ -13,14 +13,14 @@ def plain(frame: can.Message) -> bool:
 
 
 class Watch(ABC):
-    """Watch that receives every frame and is checked once a period."""
+    """Detector of one kind of fault of a CAN bus; it receives every frame and is checked once a period."""
 
     def begin(self, now: float) -> None:
-        """Begin to watch the drives, which are enabled, at a time in [s]."""
+        """Begin to watch the drives when they have been enabled; `now` is the time in [s]."""
         return
 
     def hear(self, frame: can.Message, sent: bool, now: float) -> None:
-        """Take in a frame.
+        """Process a frame that was sent or received.
 
         Args:
             frame: any frame on the bus.
@@ -31,4 +31,4 @@ class Watch(ABC):
 
     @abstractmethod
     def check(self, now: float) -> None:
-        """Raise a `CanFault` if the watch has found a fault, at a time in [s]."""
+        """Raise a `CanFault` if the watch has found a fault; `now` is the time in [s]."""

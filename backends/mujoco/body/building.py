@@ -13,7 +13,7 @@ ENGINE_NAME = "MuJoCo"
 
 
 def model_refusal(robot: RobotFile) -> InputError | None:
-    """Return why MuJoCo refuses a robot; None if its model can be built.
+    """Try to build MuJoCo's model of a robot; return the error if that fails, otherwise None.
 
     Raises:
         MissingMuJoCo: MuJoCo isn't installed.

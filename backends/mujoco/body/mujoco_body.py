@@ -47,8 +47,9 @@ _FOLLOWS = 0.1  # of the way to where it belongs that a joint that is held makes
 
 
 class MujocoBody(RobotBody):
-    """Robot of links and joints in MuJoCo. Joints have the rotor inertia of real drives, which steadies their
-    motion.
+    """A robot's links and joints in MuJoCo.
+
+    The joints have the rotor inertia of real drives, which makes their simulated motion stable.
     """
 
     COUPLES_MIMICS = True
@@ -144,7 +145,7 @@ class MujocoBody(RobotBody):
             body = body.parent
 
     def looks(self) -> list[PartLook]:
-        """Return the appearance of its links."""
+        """Return the appearance of the robot's links, for rendering."""
         return robot_looks(partial(read_robot, self._urdf))
 
     # Readings of the body
@@ -198,8 +199,7 @@ class MujocoBody(RobotBody):
         self._engine.displaced()
 
     def cover(self, links: Iterable[str], surface: ContactSurface) -> None:
-        """Set the contact surface of links; contacts give way as `CONTACT_COMPLIANCE` says, and stick without
-        anchors.
+        """Set friction, compliance and stiction of the contact surface of links.
 
         Args:
             links: names of the links.

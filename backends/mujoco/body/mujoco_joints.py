@@ -23,11 +23,11 @@ _OFF = 1e-9  # [Nm] of a drive that does nothing: MuJoCo takes 0 for no limit
 
 
 class MujocoJoints(JointGroup):
-    """Joints with MuJoCo's drives, whose set-points move in each step of the solver; see `JointGroup`.
+    """Joints of a robot that are moved by MuJoCo's drives (actuators); see `JointGroup`.
 
-    A drive is as stiff as possible: without load it reaches the commanded speed after one step. Compliant
-    joints have two drives: a stiff one with little effort, and one whose effort grows with the distance from
-    the set-point, like a spring's.
+    The drives' set-points move in each step of the solver. A drive is as stiff as possible: without load it
+    reaches the commanded speed after one step. Compliant joints have two drives: a stiff drive with little
+    effort, and a spring, whose effort grows with the distance from the set-point.
     """
 
     def __init__(self, engine: MujocoEngine, names: Sequence[str]) -> None:
@@ -60,17 +60,17 @@ class MujocoJoints(JointGroup):
     def give(
         self, off: FloatArray, rates: FloatArray, effort: FloatArray, fastest: FloatArray, catches_up: float
     ) -> None:
-        """Follow set-points like springs that yield at an obstacle; limit the speed of catching up.
+        """Follow set-points compliantly, like springs, and limit the speed at which a deviation is reduced.
 
         Args:
             off: (n,) set-points less current joints, in [rad] or [m].
             rates: (n,) rates of the set-points, in [rad/s] or [m/s].
             effort: (n,) maximum effort of the drives, in [Nm] or [N].
-            fastest: (n,) maximum speeds of catching up, in [rad/s] or [m/s].
-            catches_up: time constant of catching up, in [s].
+            fastest: (n,) maximum speeds at which a deviation is reduced, in [rad/s] or [m/s].
+            catches_up: time constant with which a deviation is reduced, in [s].
 
         Raises:
-            ValueError: these joints have no drives that yield.
+            ValueError: these joints have no compliant drives.
         """
         if self._giving is None:
             raise ValueError("these joints have no drives that give")
@@ -95,8 +95,9 @@ class MujocoJoints(JointGroup):
             self._stiff.set_out(positions - self._engine.chunk * rates, rates)
 
     def spring(self, stiffness: float, damping: FloatArray, torques: FloatArray) -> None:
-        """Put springs, dampers and torques on the joints, solved implicitly: explicit dampers would shake a
-        chassis in the air.
+        """Apply springs, dampers and torques to the joints.
+
+        The solver integrates them implicitly, because explicit dampers are unstable without ground contact.
 
         Args:
             stiffness: stiffness of the springs, which are at rest at 0, in [Nm/rad].

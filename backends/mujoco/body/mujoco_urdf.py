@@ -18,7 +18,7 @@ READABLE_SUFFIXES = (".stl", ".obj")
 
 
 def read_robot(urdf: SoundUrdf, visuals: bool = False) -> Any:
-    """Return the `MjSpec` of a robot, all its links being bodies.
+    """Read a robot's URDF into MuJoCo's `MjSpec`, with a body for each link.
 
     Args:
         urdf: URDF of the robot.

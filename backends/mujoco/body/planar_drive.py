@@ -20,8 +20,9 @@ CATCHES_UP_S = 0.005
 
 
 class MujocoPlanarDrive(PlanarDrive):
-    """Three velocity servos of MuJoCo at the base's frame, which push ahead, to the left, and about the
-    vertical.
+    """Drive of a base in the plane, without wheels: three velocity servos of MuJoCo push the base.
+
+    They act ahead, to the left, and about the vertical.
     """
 
     def __init__(self, engine: MujocoEngine, mass: float, inertia: float, prefix: str) -> None:
@@ -52,7 +53,7 @@ class MujocoPlanarDrive(PlanarDrive):
 
 
 def add_planar_drive(robot: Any) -> None:
-    """Add the servos to the `MjSpec` of a robot; they do nothing yet."""
+    """Add the three servos of `MujocoPlanarDrive` to the `MjSpec` of a robot, with zero gain."""
     robot.body("base").add_site(name=SITE_NAME)
     for axis, gear in zip(DRIVE_AXES, AXIS_GEARS, strict=True):
         servo = robot.add_actuator(name=_name(axis), target=SITE_NAME)

@@ -32,7 +32,10 @@ class PartLook:
 
 
 def robot_looks(read: Read) -> list[PartLook]:
-    """Return the URDF's visuals, or the collision shapes of links without readable ones."""
+    """Return the visual shapes of a robot's links.
+
+    Links without readable visual shapes are represented by their collision shapes.
+    """
     try:
         model = read(True).compile()
     except ValueError as error:  # a mesh in a format that MuJoCo doesn't read, such as COLLADA

@@ -43,12 +43,12 @@ class _Field(NamedTuple):
 
 
 class LidarBeams:
-    """Beams of a lidar, which no part of the robot obstructs.
+    """Ray casting for a lidar in a compiled MuJoCo model; the robot's own parts are ignored.
 
-    `mj_multiRay` tests each body for each beam, which with a library takes as long as eight steps of the
-    solver; it also tests all cells of rough ground in a beam's bounding box, which takes as long as fifty.
-    Almost all bodies are boxes, and few are at the height of a level sensor: only those boxes and the
-    ground are tested here. If other shapes are among them, for example a wedge, MuJoCo is used.
+    MuJoCo's `mj_multiRay` tests each body for each beam, which in a world of many bodies takes as long as
+    eight steps of the solver; with rough ground it takes as long as fifty. This class tests only the ground
+    and the boxes at the beams' height. If other shapes are at that height, for example a wedge, it calls
+    MuJoCo.
     """
 
     def __init__(self, model: Any) -> None:
@@ -63,7 +63,7 @@ class LidarBeams:
         self._fields = {int(item): _Field.of(model, int(item)) for item in self._others[self._grounds]}
 
     def free_shares(self, data: Any, start: FloatArray, ends: FloatArray) -> FloatArray:
-        """Return the free share of the lines from one point to others, without the robot.
+        """Return the free share of each line from a start to an end, ignoring the robot.
 
         Args:
             data: MuJoCo's data, with the current poses.

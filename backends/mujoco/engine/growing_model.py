@@ -13,9 +13,9 @@ _KEPT = ("actuator_gainprm", "actuator_biasprm", "actuator_forcerange")
 
 
 class GrowingModel:
-    """Model that is compiled on first use.
+    """MuJoCo model of a world to which bodies can be added during a run.
 
-    Later additions compile it again, and the existing state is kept.
+    The model is compiled on first use, and again after additions; the state of existing bodies is kept.
     """
 
     def __init__(self, step: float, compiled: Callable[[Any], None]) -> None:
@@ -27,13 +27,16 @@ class GrowingModel:
         self._tell, self._grown, self._stale = compiled, True, True
 
     def both(self) -> tuple[Any, Any]:
-        """Return model and data; poses in the data may be outdated, see `links`."""
+        """Return MuJoCo's model and data, compiled if needed.
+
+        Poses in the data may be outdated; `links` updates them.
+        """
         if self._grown or self._compiled is None:
             return self._compile()
         return self._compiled
 
     def changed(self) -> None:
-        """Let the model be compiled again when it is next used, because `world` was changed."""
+        """Mark the model as outdated after a change of `world`; the next use compiles it again."""
         self._grown = True
 
     def links(self) -> Any:
@@ -45,7 +48,7 @@ class GrowingModel:
         return data
 
     def displaced(self) -> None:
-        """Let poses be computed again when they are next read, because coordinates were changed."""
+        """Mark all poses as outdated after a change of coordinates; the next call of `links` updates them."""
         self._stale = True
 
     def forget(self) -> None:

@@ -14,10 +14,10 @@ _NO_ISLAND = -2
 
 
 class Leaning:
-    """Watch that keeps things awake that lean on the robot, because sleeping ones would not fall when it
-    drives off.
+    """Exceptions from MuJoCo's sleeping of resting bodies: the robot, and things that lean on it.
 
-    Other things sleep when they come to rest; a robot never sleeps.
+    MuJoCo does not simulate bodies that sleep. A sleeping thing that leans on the robot would not fall when
+    the robot drives away, so it is kept awake; other things sleep when they come to rest.
     """
 
     def __init__(self) -> None:
@@ -30,8 +30,11 @@ class Leaning:
         """Contact islands of the trees at the last call of `look`, as bytes."""
 
     def compiled(self, model: Any, link: int | None) -> None:
-        """Adopt a model with more kinematic trees than before; `link` is MuJoCo's number of one of the
-        robot's links.
+        """Continue with a newly compiled model, which may have more kinematic trees than before.
+
+        Args:
+            model: MuJoCo's model.
+            link: MuJoCo's number of one of the robot's links; None without a robot.
         """
         leaned, self.trees = self.trees, np.zeros(int(model.ntree), np.bool_)
         self._robot = None if link is None else int(model.body_treeid[link])
@@ -39,7 +42,7 @@ class Leaning:
             self.set(model, np.pad(leaned, (0, len(self.trees) - len(leaned))))
 
     def look(self, model: Any, data: Any) -> None:
-        """Find the leaning things again after time has passed."""
+        """Update the set of things that lean on the robot, after steps of the solver."""
         if self._robot is None:
             return
         island = data.tree_island

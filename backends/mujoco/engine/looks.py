@@ -13,7 +13,7 @@ from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 
 class BoxLook(NamedTuple):
-    """Appearance of an immovable box, or one that comes and goes."""
+    """Appearance of a box of the world that is immovable or moved by the program, never by forces."""
 
     box: Box
     grey: int
@@ -31,7 +31,10 @@ class TileLook(NamedTuple):
 
 @dataclass
 class Looks:
-    """Appearance of all bodies, by the engine's numbers. It only grows, and does not affect the engine."""
+    """Appearance of all bodies of a world, for rendering, by their numbers in the engine.
+
+    Entries are added, never removed.
+    """
 
     level: bool = False
     """True if there is a level floor."""
@@ -46,5 +49,5 @@ class Looks:
 
     @property
     def count(self) -> int:
-        """Return the number of entries; a new number means that the stage has to be built again."""
+        """Number of entries; if it has changed, the model for rendering has to be built again."""
         return len(self.boxes) + len(self.tiles) + len(self.sheets) + len(self.things)

@@ -36,9 +36,9 @@ TOUCH_CHECKS_PER_PERIOD = 4  # times at a period's end that what touches is look
 
 
 class MujocoEngine(Engine):
-    """A model and its data of MuJoCo's. Bodies are numbered as they are made.
+    """Physics engine MuJoCo: a world's bodies and a robot, with model and data. Bodies are numbered from 0.
 
-    Drives are MuJoCo's: Python commands them once a period, and reads contacts and slip in between.
+    The drives are MuJoCo's: Python commands them once a period, and reads contacts and slip in between.
     """
 
     CHUNK = math.inf
@@ -67,22 +67,25 @@ class MujocoEngine(Engine):
 
     @property
     def model(self) -> Any:
-        """MuJoCo's model of all that was made."""
+        """MuJoCo's model of the robot and all bodies, compiled if needed."""
         return self._grown.both()[0]
 
     @property
     def data(self) -> Any:
-        """MuJoCo's data; poses of links in it may be outdated, see `links`."""
+        """MuJoCo's data; poses of links in it may be outdated, and `links` updates them."""
         return self._grown.both()[1]
 
     def grow(self) -> int:
-        """Let the model be compiled again, because a body was added to `world`; return the body's number."""
+        """Return the number of the body that was just added to `world`.
+
+        The model is compiled again when it is next used.
+        """
         self._grown.changed()
         self._forms.append(None)
         return len(self._forms) - 1
 
     def changed(self) -> None:
-        """Let the model be compiled again when it is next used, because `world` was changed."""
+        """Mark the model as outdated after a change of `world`; the next use compiles it again."""
         self._grown.changed()
 
     def link_body(self, number: int, link: int) -> int:
@@ -122,10 +125,9 @@ class MujocoEngine(Engine):
         self._grown.displaced()
 
     def parts(self) -> Sequence[int]:
-        """Return the numbers of the solver's steps in each part of a chunk, the time between two actions of
-        drives.
+        """Return the number of solver steps in each part of a chunk, the time between two commands to drives.
 
-        Contacts are read after each part and forces averaged, because the force of one impact alone misleads.
+        Contact forces are read after each part and averaged, because a single impact's force is not typical.
         """
         often = max(0, min(TOUCH_CHECKS_PER_PERIOD, self.substeps // SLIP_CHECK_STEPS - 1))
         return (self.substeps - often * SLIP_CHECK_STEPS, *(SLIP_CHECK_STEPS,) * often)
@@ -294,7 +296,10 @@ class MujocoEngine(Engine):
     # States
 
     def state(self) -> dict[str, Any]:
-        """Return MuJoCo's state and the pinned connection; a restored run continues to the last bit."""
+        """Return MuJoCo's state, and the connection between hand and held thing, for a checkpoint.
+
+        A run that is restored from it continues bit by bit like the original run.
+        """
         pinned = to_plain(self.pinned, Pinned | None)
         leans = self._leaning.trees.astype(np.int64)
         return {**saved(self.model, self.data), "pinned": pinned, "leans": leans}

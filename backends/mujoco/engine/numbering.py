@@ -28,9 +28,10 @@ class ThingNumbers(NamedTuple):
 
 
 class Numbering:
-    """Owners of a compiled model's geometries, and indices of the coordinates of things.
+    """Assignment between MuJoCo's indices in a compiled model and the numbers of bodies in this engine.
 
-    Geometries of bodies other than the robot's are named by the engine's numbers: `7`, `7.1`.
+    It knows the body and link of each geometry, and the coordinates of each movable thing. A geometry of a
+    body other than the robot is named by the body's number, such as `7` or `7.1`.
     """
 
     def __init__(self, model: Any, links: Mapping[int, tuple[int, int]], things: Collection[int]) -> None:
@@ -64,7 +65,7 @@ class Numbering:
         self._where: IntArray = np.minimum(first[:, None] + np.arange(FREE_COORDINATES), last[:, None])
 
     def moved(self, changed: BoolArray) -> frozenset[int]:
-        """Return the things with a changed coordinate, given a mask (n,) of all coordinates in `qpos`."""
+        """Return the numbers of the things that moved, given a mask (n,) of changed coordinates in `qpos`."""
         return frozenset(self._numbers[changed[self._where].any(axis=1)].tolist())
 
 

@@ -18,9 +18,11 @@ _NAME = "pin {}"
 
 
 class Pins:
-    """Equality constraints between the hand and the held thing; the thing changes during the run.
+    """Point constraints of MuJoCo (pins) that fix a held thing to the hand; each grasp may have another
+    thing.
 
-    In the model, the equalities of joints that mimic others precede them, with one constraint row each.
+    They are equality constraints of the model, after those of joints that mimic others, which have one row
+    each.
     """
 
     def __init__(self) -> None:
@@ -33,7 +35,7 @@ class Pins:
         Args:
             spec: the `MjSpec`.
             hand: name of the hand's body.
-            other: name of any other body, in place of the later held one.
+            other: name of any other body, which stands in for the held body until something is held.
         """
         kinds, what = mujoco().mjtEq, mujoco().mjtObj
         self._first = len(spec.equalities)
@@ -44,11 +46,11 @@ class Pins:
         self._there = True
 
     def closed(self, data: Any) -> bool:
-        """Return whether the pins hold a thing."""
+        """Return True if the pins are active, so that they fix a thing to the hand."""
         return bool(data.eq_active[self._first])
 
     def pull(self, data: Any) -> float:
-        """Return the mean load of the points that hold the thing, in [N]."""
+        """Return the mean force at the points by which the pins hold the thing, in [N]."""
         forces = data.efc_force[self._first : self._first + 3 * MAX_PIN_POINTS].tolist()
         return (
             sum(math.hypot(*forces[row : row + 3]) for row in range(0, 3 * MAX_PIN_POINTS, 3))

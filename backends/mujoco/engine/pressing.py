@@ -13,9 +13,9 @@ _NOTHING = frozenset[Touching]()
 
 
 class Pressing:
-    """Index of contacts with forces, by the bodies that touch.
+    """Finder of the contacts of each body in which a force acts.
 
-    After most steps the same geometries touch as before, so the last result is cached.
+    The last result is cached, because after most steps the same geometries touch as before.
     """
 
     def __init__(self, owners: Sequence[Owner]) -> None:
@@ -25,7 +25,10 @@ class Pressing:
         self._found: dict[int, frozenset[Touching]] = {}
 
     def touching(self, data: Any, body: int) -> frozenset[Touching]:
-        """Return the touching pairs of a body; the same object as long as nothing has changed."""
+        """Return which links and bodies a body touches with a force.
+
+        If nothing has changed, the same object is returned as in the last call.
+        """
         if data.nefc == 0:
             return _NOTHING
         contact = data.contact

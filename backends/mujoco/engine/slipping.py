@@ -18,7 +18,11 @@ STICKING_SPEED_M_S = 0.005  # [m/s]: an object that slid in the hand is held aga
 
 
 class Slipping:
-    """Held thing, fixed by pins that open while it slips."""
+    """Model of friction between fingers and a held thing.
+
+    Pins (`Pins`) fix the thing to the hand. They are released while the thing is pulled harder than friction
+    holds it, so that it slips.
+    """
 
     def __init__(self, pins: Pins, contacts_carry: float, period: float) -> None:
         """Prepare slipping with the share `Engine.CONTACTS_CARRY`.
@@ -34,7 +38,7 @@ class Slipping:
         """Rigid connection, slipping or not."""
 
     def hold(self, model: Any, data: Any, pinned: Pinned, hand: int, other: int) -> None:
-        """Hold two of MuJoCo's bodies together at points, from now on.
+        """Fix two of MuJoCo's bodies to each other at points.
 
         Args:
             model: MuJoCo's model.
@@ -52,8 +56,16 @@ class Slipping:
         self._pins.open(data)
 
     def look(self, model: Any, data: Any, hand: int, other: int) -> None:
-        """After a step, let the held thing slide if it is pulled harder than it is held; hold it again once
-        it stays.
+        """Update the hold after a step of the solver.
+
+        The held thing slips if it is pulled harder than friction allows. It is fixed again when it moves more
+        slowly in the hand than `STICKING_SPEED_M_S`.
+
+        Args:
+            model: MuJoCo's model.
+            data: MuJoCo's data.
+            hand: MuJoCo's number of the hand's body.
+            other: MuJoCo's number of the held thing's body.
         """
         pinned = self.pinned
         assert pinned is not None

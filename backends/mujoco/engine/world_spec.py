@@ -57,7 +57,7 @@ GROUND_DEPTH_M = 1.0  # [m] of solid ground below the lowest point of a tile
 
 
 class WorldSpec:
-    """The `MjSpec` of a world; bodies are named by their numbers."""
+    """Builder of a world's `MjSpec`, MuJoCo's editable model; a body's number in the engine is its name."""
 
     def __init__(self, step: float) -> None:
         """Create a world whose solver has steps of that length, in [s]."""
@@ -79,13 +79,14 @@ class WorldSpec:
         self.solid(self.spec.worldbody, self._floor, friction, type=kind, size=(0.0, 0.0, 1.0))
 
     def box(self, number: int, box: Box, friction: float, moves: bool) -> None:
-        """Add an immovable box; one that is moved later (`moves`) is a body of its own.
+        """Add a box that forces do not move.
 
         Args:
             number: number of the box, which is its name.
             box: pose in the world and size, in [m].
             friction: coefficient of friction, without unit.
-            moves: True for a box that `Engine.set_pose` moves.
+            moves: True for a box that `Engine.set_pose` moves; only such a box is a body of its own in
+                MuJoCo.
         """
         kind, half = mujoco().mjtGeom.mjGEOM_BOX, [size / 2 for size in box.size]
         body, placed = self.spec.worldbody, where(box.pose)
@@ -120,7 +121,7 @@ class WorldSpec:
         )
 
     def thing(self, number: int, form: ThingForm) -> None:
-        """Add a rigid body around its middle, free or on a joint of the world."""
+        """Add a rigid body that moves freely, or on a joint of the world; its frame is at its mass centre."""
         body = self._hang(number, form) if form.hung is not None else self._set_free(number, form)
         body.explicitinertial, body.ipos = True, (0.0, 0.0, 0.0)
         inertia = rod_inertia if form.is_round else box_inertia
@@ -162,8 +163,9 @@ class WorldSpec:
     def solid(self, body: Any, name: str, friction: float, **shape: Any) -> None:
         """Add a geometry with a coefficient of friction to a body.
 
-        MuJoCo takes the larger friction of a pair. Each geometry gets the square of its coefficient, which
-        for a pair of equal ones is the product of both.
+        MuJoCo uses the larger coefficient of two touching geometries, not the product of both. A geometry is
+        therefore given the square of its coefficient; two geometries with equal coefficients then get their
+        product.
         """
         body.add_geom(
             name=name,
@@ -175,10 +177,10 @@ class WorldSpec:
         )
 
     def bulge(self, wheel: Any) -> None:
-        """Let a cylinder touch the ground at one point, like a bulging tyre, instead of along its edges.
+        """Replace a cylindrical wheel by an ellipsoid, which touches the ground at one point.
 
-        The edges of a turning base's wheel move at different speeds, and the wheel would hop from one to
-        the other.
+        A cylinder touches the ground along both its edges. When the base turns, the edges move at different
+        speeds, and the contact would jump from one edge to the other.
         """
         kinds = mujoco().mjtGeom
         if wheel.type == kinds.mjGEOM_CYLINDER:
@@ -186,12 +188,15 @@ class WorldSpec:
             wheel.type, wheel.size = kinds.mjGEOM_ELLIPSOID, (radius, radius, half_width)
 
     def scrub(self, wheel: Any, along_axle: float) -> None:
-        """Let a wheel slide along its axle on the floor, with a friction that is a share (`along_axle`) of
-        that across the axle.
+        """Give a wheel less friction with the floor along its axle than across it.
 
-        MuJoCo aligns the first tangent of a capsule's contacts with its axis, and a pair can have two
-        frictions. The capsule is as thick as the wheel, and touches the floor at two points as far apart as
-        the wheel is wide.
+        The wheel becomes a capsule, because MuJoCo aligns the first tangent of a capsule's contacts with its
+        axis, and a pair of geometries can have a coefficient for each tangent. The capsule is as thick as the
+        wheel, and touches the floor at two points as far apart as the wheel is wide.
+
+        Args:
+            wheel: geometry of the wheel.
+            along_axle: friction along the axle as a share of that across the axle, 0 to 1.
         """
         radius, _, half_width = wheel.size  # of one that bulges
         wheel.type, wheel.size = mujoco().mjtGeom.mjGEOM_CAPSULE, (radius, half_width, 0.0)

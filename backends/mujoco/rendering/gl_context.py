@@ -14,7 +14,7 @@ _WAYS = {"egl": "EGL", "osmesa": "OSMesa"}
 
 
 class NoPictures(InputError):
-    """Error: no OpenGL can draw without a display."""
+    """Error: no OpenGL library is available that renders without a display."""
 
     def __init__(self, why: str) -> None:
         super().__init__(
@@ -24,9 +24,10 @@ class NoPictures(InputError):
 
 
 def make_context(width: int, height: int) -> Any:
-    """Return a context that draws up to that size in [px]; it is current on this thread, and `free` ends it.
+    """Create an OpenGL context for pictures up to a size in [px], and make it current on this thread.
 
-    It uses EGL, on a graphics card or in software, otherwise OSMesa; $MUJOCO_GL overrides that.
+    The context uses EGL, on a graphics card or in software, otherwise OSMesa; the variable MUJOCO_GL
+    overrides this choice. Its method `free` releases it.
 
     Raises:
         NoPictures: no context can be created.

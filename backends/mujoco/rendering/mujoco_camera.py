@@ -17,11 +17,11 @@ from .style import CAMERA_STYLE
 
 
 class MujocoCamera(EngineCamera):
-    """Camera that MuJoCo renders."""
+    """Simulated camera whose pictures are rendered by MuJoCo."""
 
     @cached_property
     def studio(self) -> Studio:
-        """Return the studio that takes its pictures."""
+        """Renderer of this camera's pictures, created on first use."""
         assert isinstance(self._engine, MujocoEngine)
         assert isinstance(self._body, MujocoBody)
         width, height = self._lens.size

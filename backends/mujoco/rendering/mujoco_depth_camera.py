@@ -19,7 +19,7 @@ DEPTH_STYLE = Style(coloured=True, even=1.0, lamp=0.0, shadow_px=0, lit_m=1.0, s
 
 
 class MujocoDepthCamera(EngineDepthCamera):
-    """Depth camera that MuJoCo renders."""
+    """Simulated depth camera whose pictures are rendered by MuJoCo."""
 
     @cached_property
     def _studio(self) -> Studio:

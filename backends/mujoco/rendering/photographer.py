@@ -18,7 +18,7 @@ _MOST = 20_000  # shapes
 
 
 class Photographer:
-    """Renderer of pictures of a stage by a camera at any pose with any intrinsics."""
+    """Renderer of a `PictureStage`, the model of a scene for pictures, for any camera pose and intrinsics."""
 
     def __init__(self, stage: PictureStage, size: tuple[int, int]) -> None:
         """Prepare pictures of a width and height `size` in [px].
@@ -37,7 +37,7 @@ class Photographer:
         self._rows = np.zeros((size[1], size[0], 3), np.uint8)
 
     def take(self, world_T_camera: Transform, K: FloatArray) -> ByteArray:
-        """Return the picture (height, width, 3) in RGB.
+        """Return a picture (height, width, 3) in RGB, 0 to 255.
 
         Args:
             world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
@@ -105,7 +105,7 @@ class Photographer:
         eye.frustum_bottom = -NEAREST * (height - (cy + 0.5)) / fy
 
     def close(self) -> None:
-        """Release OpenGL; a second call does nothing."""
+        """Release the OpenGL context; a second call does nothing."""
         if self._gl is not None:
             self._gl.make_current()
             self._context.free()

@@ -19,9 +19,10 @@ LAMP_HEIGHT = 6.0  # [m] above what it shines on, along its beam
 
 
 class PictureStage:
-    """Model for pictures, which follows the engine's model; a body has the same name in both.
+    """MuJoCo model of a scene for rendering only, with pictures and lamps.
 
-    Rendering cannot change a run, because the engine's own model has neither pictures nor lamps.
+    Its bodies have the names of those in the physics engine's model, and take over their poses. Rendering
+    cannot change a run, because the engine's own model is not rendered.
     """
 
     def __init__(self, looks: Looks, robot: Sequence[PartLook], style: Style, engine_model: Any) -> None:
@@ -45,7 +46,7 @@ class PictureStage:
         self._drawn = np.zeros(0)
 
     def follow(self, engine_data: Any, middle: FloatArray) -> bool:
-        """Copy all poses from the engine, and aim the lamp; return True if anything moved visibly.
+        """Copy the poses of all bodies from the engine, and aim the lamp; return True if anything has moved.
 
         Args:
             engine_data: MuJoCo's data of the engine.
@@ -64,7 +65,7 @@ class PictureStage:
         return True
 
     def repaint(self) -> list[int]:
-        """Paint changed textures of things again; return their numbers."""
+        """Update the textures of things whose pictures have changed; return MuJoCo's texture numbers."""
         if self._style.coloured:
             return []
         changed = []

@@ -34,8 +34,9 @@ _SHEET_LEVEL = 1
 
 
 class StageSpec:
-    """`MjSpec` of a `PictureStage`: shapes without contacts, and movable bodies that are placed for each
-    picture.
+    """Builder of the `MjSpec` (MuJoCo's editable model) of a `PictureStage`.
+
+    The model has shapes without contacts, and movable bodies that are placed for each picture.
     """
 
     def __init__(self, looks: Looks, robot: Sequence[PartLook], style: Style) -> None:

@@ -17,7 +17,10 @@ from .style import Style
 
 
 class Studio:
-    """Renderer of pictures of one size."""
+    """Renderer of pictures of an engine's world, for a fixed picture size and style.
+
+    It builds its model for rendering again when bodies are added to the world.
+    """
 
     def __init__(
         self, engine: MujocoEngine, robot: Sequence[PartLook], style: Style, size: tuple[int, int]
@@ -36,7 +39,7 @@ class Studio:
         self._last: tuple[Transform, FloatArray, ByteArray] | None = None
 
     def take(self, world_T_camera: Transform, K: FloatArray, middle: FloatArray) -> ByteArray:
-        """Return a picture (height, width, 3) in RGB, 0 to 255; the last one if nothing moved.
+        """Return a picture (height, width, 3) in RGB, 0 to 255; the last picture again if nothing has moved.
 
         Args:
             world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
@@ -80,7 +83,7 @@ class Studio:
         return self._stage, self._photographer
 
     def close(self) -> None:
-        """Release OpenGL; a second call does nothing."""
+        """Release the OpenGL context; a second call does nothing."""
         if self._photographer is not None:
             self._photographer.close()
         self._stage = self._photographer = self._last = None

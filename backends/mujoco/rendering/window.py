@@ -23,7 +23,11 @@ _PATIENCE = 10.0  # [s] that the viewer gets to end
 
 
 class Window:
-    """View of a stage in real time; dragging things in it moves nothing. Closing it does not end the run."""
+    """Window that shows robot and world in MuJoCo's viewer, in real time.
+
+    Dragging bodies with the mouse does not affect the simulation, and closing the window does not end the
+    run.
+    """
 
     def __init__(self, engine: MujocoEngine, body: MujocoBody, world_T_base: Transform) -> None:
         """Open the window; call `check_display` first.

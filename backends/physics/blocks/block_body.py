@@ -7,9 +7,9 @@ from handcart.backends.physics.world.thing_body import ThingBody
 
 
 class BlockBody(ThingBody):
-    """Box that stays at its place in a wall.
+    """Body of a block in a physics engine, which static friction holds at its place in a wall.
 
-    Otherwise a block pressed between two others would creep away under any small force.
+    Without it, a block that is pressed between two others would creep away under any small force.
     """
 
     STICKS = Sticks(stiffness=1e6, damping=1e4)

@@ -24,12 +24,12 @@ CONSTRAINT_FORCE_N = 500.0  # with which a constraint holds at each point [N]
 
 
 class Grip:
-    """Grip that holds a thing at points of the pads while both fingers press on it.
+    """Connection between the hand and a thing on which both fingers press, at points of the finger pads.
 
-    With `friction` as soft fingers do (Howe and Cutkosky 1996): these points and the engine's own contacts
-    together carry Coulomb's share of the fingers' force, along the pads and about their normal, and slip
-    beyond it; the engine decides how much of it its contacts carry (`Engine.CONTACTS_CARRY`). With
-    `constraint` nothing slips.
+    With the grasp `friction` (key `gripper.grasp` of the robot's file) the thing is held like by soft fingers
+    (Howe and Cutkosky 1996). The points and the engine's own contacts together carry forces along the pads,
+    and torques about the pads' normal, up to Coulomb's friction; beyond it the thing slips. The engine's
+    contacts carry the share `Engine.CONTACTS_CARRY` of it. With the grasp `constraint` nothing slips.
     """
 
     def __init__(self, spec: GripperSpec, finger: FingerShape, engine: Engine, body: RobotBody) -> None:
@@ -45,7 +45,7 @@ class Grip:
 
     @property
     def holds(self) -> int | None:
-        """Engine's number of the held body; None without one."""
+        """Number of the held body in the engine; None if no body is held."""
         pinned = self._engine.pinned
         return None if pinned is None else pinned.other
 
@@ -73,8 +73,9 @@ class Grip:
 
 
 def pads_in(engine: Engine) -> ContactSurface:
-    """Return the contact surface of the fingers in an engine; `Grip` adds the friction that the surface
-    lacks.
+    """Return the contact surface of the fingers in an engine.
+
+    It has only the share `Engine.CONTACTS_CARRY` of the pads' friction; `Grip` provides the rest.
     """
     return PAD_SURFACE._replace(friction=engine.CONTACTS_CARRY * PAD_FRICTION)
 

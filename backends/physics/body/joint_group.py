@@ -14,10 +14,11 @@ MIN_TORQUE_RATIO = 0.03  # share of its torque that such a drive always has to g
 
 
 class JointGroup(ABC):
-    """Some joints of the robot in a physics engine. A command holds until the next one.
+    """Some joints of the robot in a physics engine, to read and to drive.
 
-    Arrays (n,) are in the order in which the joints were selected; units are [rad] for turning joints, [m]
-    for sliding ones.
+    A command to the drives holds until the next one. The time between two commands is a control period or a
+    part of it (a chunk, see `Engine.chunk`). Arrays (n,) are in the order in which the joints were selected;
+    units are [rad] for turning joints, [m] for sliding joints.
     """
 
     @abstractmethod
@@ -26,7 +27,7 @@ class JointGroup(ABC):
 
     @abstractmethod
     def turn(self, speeds: FloatArray, most: FloatArray) -> None:
-        """Bring the joints to speeds by limited efforts.
+        """Drive the joints at given speeds, with limited efforts.
 
         Args:
             speeds: (n,) in [rad/s] or [m/s].
@@ -34,29 +35,30 @@ class JointGroup(ABC):
         """
 
     def follow(self, off: FloatArray, rates: FloatArray, most: FloatArray, catches_up: float) -> None:
-        """Follow set-points until the drives act next, by efforts of at most `most`.
+        """Follow moving set-points until the next command, with limited efforts.
 
         Args:
             off: (n,) set-points less current joints, in [rad] or [m].
             rates: (n,) rates of the set-points, in [rad/s] or [m/s].
             most: (n,) largest efforts, in [Nm] or [N].
-            catches_up: time constant in which `off` decreases, in [s].
+            catches_up: time constant with which `off` decreases, in [s].
         """
         self.turn(rates + off / catches_up, most)
 
     def give(
         self, off: FloatArray, rates: FloatArray, effort: FloatArray, fastest: FloatArray, catches_up: float
     ) -> None:
-        """Follow set-points until the drives act next, but yield like springs at an obstacle.
+        """Follow moving set-points until the next command, but yield like springs at an obstacle.
 
-        The effort is limited by a joint's distance from its set-point; it is full at `FULL_TORQUE_ERROR_RAD`.
+        The effort grows with a joint's distance from its set-point, up to `effort` at
+        `FULL_TORQUE_ERROR_RAD`.
 
         Args:
             off: (n,) set-points less current joints, in [rad] or [m].
             rates: (n,) rates of the set-points, in [rad/s] or [m/s].
             effort: (n,) maximum effort of the drives, in [Nm] or [N].
-            fastest: (n,) maximum speeds of catching up, in [rad/s] or [m/s].
-            catches_up: time constant of catching up, in [s].
+            fastest: (n,) maximum speeds at which `off` decreases, in [rad/s] or [m/s].
+            catches_up: time constant with which `off` decreases, in [s].
         """
         wanted = np.clip(rates + off / catches_up, -fastest, fastest)
         strain = np.abs(off + SPEED_ERROR_TIME_S * (rates - self.states()[1]))
@@ -68,18 +70,19 @@ class JointGroup(ABC):
     def stand(
         self, positions: FloatArray, most: FloatArray, share: float, rates: FloatArray | None = None
     ) -> None:
-        """Bring the joints to positions and hold them there.
+        """Move the joints to positions and hold them there.
 
         Args:
             positions: (n,) in [rad] or [m].
             most: (n,) largest efforts, in [Nm] or [N].
             share: share of the remaining distance, 0 to 1, that is corrected in one step of the solver.
-            rates: (n,) rates in [rad/s] or [m/s], by which an engine whose drives act once a period moves the
-                set-points: they arrive when the period ends.
+            rates: (n,) rates of the set-points in [rad/s] or [m/s]. An engine that commands its drives once a
+                period moves the set-points at these rates, so that they reach `positions` at the period's
+                end.
         """
 
     def spring(self, stiffness: float, damping: FloatArray, torques: FloatArray) -> None:
-        """Put springs, dampers and torques on the joints until the drives act next.
+        """Apply springs, dampers and torques to the joints until the next command.
 
         Args:
             stiffness: stiffness of the springs, which are at rest at 0, in [Nm/rad].
@@ -91,6 +94,4 @@ class JointGroup(ABC):
 
     @abstractmethod
     def push(self, torques: FloatArray) -> None:
-        """Apply torques (n,), in [Nm] or [N], until the drives act next, in addition to the drives' own
-        torques.
-        """
+        """Apply torques (n,), in [Nm] or [N], in addition to those of the drives, until the next command."""

@@ -24,10 +24,11 @@ MIMIC_STEP_RATIO = 0.1
 
 
 class PhysicsArm(SimulatedArm):
-    """Joints under position control with torque limits, their own weight and the load's compensated.
+    """Arm in a physics engine: joints under position control, with gravity compensation of arm and load.
 
-    Between two commands the set-point moves evenly. A drive is a velocity servo whose torque is limited by
-    its distance from the set-point, up to the URDF's effort: against an obstacle it yields like a spring.
+    Between two commands the set-point moves at constant speed. A drive is a velocity servo. Its torque limit
+    grows with the distance from the set-point, up to the URDF's effort, so it yields at an obstacle like a
+    spring.
     """
 
     STATE: ClassVar = {**SimulatedArm.STATE, "load": tuple[float, FloatArray]}
@@ -74,14 +75,14 @@ class PhysicsArm(SimulatedArm):
         return self._felt()
 
     def begin(self, period: int) -> None:
-        """Start the set-points and the noise of a period."""
+        """Start the period with a number: accept the last command, and draw the period's noise."""
         self._begin(period, loaded=self.load[0] > 0.0)
 
     def act(self, share: float, period: float) -> None:
-        """Command the drives until they act next.
+        """Command the drives for the next part of a control period.
 
         Args:
-            share: share of the period, 0 to 1, that has passed then.
+            share: share of the period, 0 to 1, that will have passed at the end of this part.
             period: control period, in [s].
         """
         way = self._command - self._from
@@ -116,7 +117,7 @@ class PhysicsArm(SimulatedArm):
         return torques
 
     def end(self) -> None:
-        """Let the next period's set-points begin where those of this period ended."""
+        """End a period: the set-points of the next one start at the last command."""
         self._from = self._command.copy()
 
     def _load_torque(self, angles: FloatArray) -> FloatArray | float:

@@ -15,7 +15,10 @@ from .wheel_drives import WheelDrives
 
 
 class PhysicsBase(CommandedBase):
-    """Base on driven wheels that roll and slip on a floor; the wheels of one side turn together."""
+    """Base in a physics engine, on driven wheels that roll and slip on a floor.
+
+    All wheels of one side turn at the same speed.
+    """
 
     def __init__(self, robot: RobotFile, body: RobotBody, chunk: float, seed: int) -> None:
         """Take the driven wheels over; other links must slide on the floor.
@@ -47,22 +50,25 @@ class PhysicsBase(CommandedBase):
         self.drives.speeds = rims * self._scale / self._drive.wheel_radius_m
 
     def give(self, turn: float) -> None:
-        """Turn the standing base on its tyres by an angle to the left, in [rad], that no encoder measures."""
+        """Turn the standing base by an angle to the left, in [rad], that its encoders do not measure.
+
+        This simulates tyres that yield when the arm swings.
+        """
         rim = turn * self._drive.tread_m / 2 / self._drive.wheel_radius_m
         self.drives.give(np.where(self._right, rim, -rim))
 
     def act(self) -> None:
-        """Command the drives until they act next, which may be several times a period."""
+        """Command the wheels' drives for the next part of the control period."""
         self.drives.follow()
 
     def read(self) -> None:
-        """Take the encoders' readings at the end of a period."""
+        """Update the wheels' travel from the encoders, at the end of a period."""
         travel = self.drives.turned(self._scale) * self._drive.wheel_radius_m
         lefts, wheels = self._lefts, len(travel)
         left, right = sum(travel[:lefts]) / lefts, sum(travel[lefts:]) / (wheels - lefts)
         self._travel = WheelTravel(float(left), float(right))
 
     def rezero(self) -> None:
-        """Count the wheels' travel from their current angles."""
+        """Restart the wheels' travel at 0 from their present angles."""
         self.drives.rezero()
         self.read()

@@ -25,7 +25,7 @@ STEERING_TIME_S = 0.05  # time constant of the steering [s]
 
 
 class PhysicsCar(CommandedBase):
-    """Car on four driven wheels that roll and slip on the ground; the front wheels steer (Ackermann)."""
+    """Car in a physics engine; four driven wheels roll and slip, and the front wheels steer (Ackermann)."""
 
     STATE: ClassVar = {**CommandedBase.STATE, "_bend": float}
 
@@ -60,10 +60,10 @@ class PhysicsCar(CommandedBase):
         self.drives.speeds = rims / self._drive.wheel_radius_m
 
     def give(self, turn: float) -> None:
-        """Do nothing: a car's wheels do not yield when its arm swings. `turn` is not used, in [rad]."""
+        """Do nothing, because a car's tyres do not yield when its arm swings; `turn` [rad] is ignored."""
 
     def act(self) -> None:
-        """Command the drives until they act next, which may be several times a period."""
+        """Command the drives of wheels and steering for the next part of the control period."""
         self.drives.follow()
         wanted = [
             math.atan2(self._bend * ahead, 1.0 - self._bend * left)
@@ -73,11 +73,11 @@ class PhysicsCar(CommandedBase):
         self._steering.follow(off, np.zeros(len(off)), self._turns, STEERING_TIME_S)
 
     def read(self) -> None:
-        """Take the encoders' readings at the end of a period."""
+        """Update the wheels' travel from the encoders of the rear wheels, at the end of a period."""
         left, right = self.drives.turned()[:2] * self._drive.wheel_radius_m
         self._travel = WheelTravel(float(left), float(right))
 
     def rezero(self) -> None:
-        """Count the wheels' travel from their current angles."""
+        """Restart the wheels' travel at 0 from their present angles."""
         self.drives.rezero()
         self.read()

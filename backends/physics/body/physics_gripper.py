@@ -23,7 +23,7 @@ FINGER_STEP_RATIO = 0.3  # of the way to where they belong that the fingers make
 
 
 class PhysicsGripper(SimulatedGripper):
-    """Two fingers with pads of rubber, one drive, and a linkage by which one mirrors the other."""
+    """Gripper in a physics engine: two fingers with rubber pads, coupled to one drive by a linkage."""
 
     STATE: ClassVar = {**SimulatedGripper.STATE, "_target": float, "_stood": float}
 
@@ -67,11 +67,15 @@ class PhysicsGripper(SimulatedGripper):
         return self._command > self._target + PRESSING_LEAD_M
 
     def begin(self, period: int) -> None:
-        """Start a period."""
+        """Start the period with the number `period`."""
         self._now = period
 
     def act(self, share: float) -> None:
-        """Command the drive until it acts next, when `share` of the period (0 to 1) will have passed."""
+        """Command the drive for the next part of a control period.
+
+        Args:
+            share: share of the period, 0 to 1, that will have passed at the end of this part.
+        """
         way = max(-self._step, min(self._step, self._command - self._target))
         goal = (self._target + share * way) / 2
         rate = way / (2 * self._period)

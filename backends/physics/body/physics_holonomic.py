@@ -21,7 +21,10 @@ weight.
 
 
 class PhysicsHolonomicBase(CommandedHolonomicBase):
-    """Base that slides without friction, pushed by a planar drive as its wheels would push it."""
+    """Base in a physics engine that drives in any direction, such as on mecanum wheels.
+
+    Its wheels are not simulated: it slides without friction, and a planar drive (`PlanarDrive`) pushes it.
+    """
 
     def __init__(self, robot: RobotFile, body: RobotBody, chunk: float, seed: int) -> None:
         """Take the wheels over.
@@ -58,19 +61,19 @@ class PhysicsHolonomicBase(CommandedHolonomicBase):
         self.drives.speeds = (speed + half * self._sides) / self._drive.wheel_radius_m
 
     def give(self, turn: float) -> None:
-        """Turn the standing base by an angle to the left, in [rad], in the next period; no encoder measures
-        it.
+        """Turn the standing base in the next period by an angle to the left, in [rad], that its encoders do
+        not measure.
         """
         self._given += turn
 
     def act(self) -> None:
-        """Command the drives until they act next, which may be several times a period."""
+        """Command the wheels' drives for the next part of the control period."""
         self.drives.follow()
 
     def read(self) -> None:
-        """Take nothing: the encoders follow the commands."""
+        """Do nothing, because the simulated encoders follow the commands exactly."""
 
     def rezero(self) -> None:
-        """Count the wheels' travel from here on."""
+        """Restart the wheels' travel at 0."""
         self._travel = WheelTravel(0.0, 0.0)
         self.drives.rezero()

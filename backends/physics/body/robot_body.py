@@ -20,27 +20,28 @@ from .joint_group import JointGroup
 
 
 class NoPlanarDrive(InputError):
-    """An engine cannot drive a base in any direction."""
+    """Error: a physics engine cannot move a base that drives in any direction."""
 
 
 class PlanarDrive(ABC):
-    """Drive that pushes the base along the floor and turns it, as wheels that drive in any direction do."""
+    """Drive of a physics engine that pushes and turns a base on the floor, in place of its wheels."""
 
     @abstractmethod
     def limit(self, force: float, torque: float) -> None:
-        """Push with at most a force in [N] along each axis, and turn with at most a torque in [Nm]."""
+        """Limit the force along each axis, in [N], and the torque about the vertical, in [Nm]."""
 
     @abstractmethod
     def drive(self, twist: FloatArray) -> None:
-        """Bring the base to a twist (3,): speed ahead and speed to the left in [m/s], turn rate to the left
+        """Command the base's velocity (3,): speed ahead and speed to the left in [m/s], turn rate to the left
         in [rad/s].
         """
 
 
 class RobotBody(ABC):
-    """Bodies and joints of a robot in the physics engine, built from its URDF, with the floor under it.
+    """Links and joints of a robot in a physics engine, built from its URDF.
 
-    If the file lets the base tilt, the body is on a chassis with a suspension; see `sprung`.
+    If the robot's file gives the base a tilt under load, the links are on a chassis with a suspension; see
+    `sprung`.
     """
 
     COUPLES_MIMICS: ClassVar[bool] = False
@@ -63,7 +64,7 @@ class RobotBody(ABC):
 
     @abstractmethod
     def standing_pose(self) -> Transform:
-        """Return world_T_base (4, 4) as it would be if the base didn't lean on a suspension."""
+        """Return world_T_base (4, 4) of the base without the tilt on its suspension."""
 
     def base_pose(self) -> Transform:
         """Return the true world_T_base (4, 4)."""
@@ -97,7 +98,7 @@ class RobotBody(ABC):
 
     @abstractmethod
     def mirror(self, joints: tuple[str, str]) -> None:
-        """Join two joints by a linkage that keeps their positions equal."""
+        """Couple two joints, so that their positions stay equal."""
 
     @abstractmethod
     def links_behind(self, joint: str) -> set[int]:
@@ -108,16 +109,16 @@ class RobotBody(ABC):
         raise NoPlanarDrive("this engine drives no holonomic base; allowed: the backends kinematic, mujoco")
 
     def sprung_masses(self) -> dict[str, float]:
-        """Masses in [kg] of all links that the suspension carries, by name."""
+        """Return the masses in [kg] of all links that the suspension carries, by name of the link."""
         wheels = (CHASSIS_LINK, *self.wheels.all, *self.casters)
         return {name: self.mass(name) for name in self.link_index if name not in wheels}
 
     @property
     def rolling(self) -> list[str]:
-        """Links that roll on the floor, driven or not."""
+        """Names of the links that are wheels, with or without a drive."""
         return [name for name in self.link_index if name.endswith("wheel")]
 
     @property
     def casters(self) -> list[str]:
-        """Links that slide on the floor."""
+        """Names of the links that slide on the floor instead of rolling (casters)."""
         return casters(self.link_index)

@@ -19,13 +19,14 @@ _POSTURES = 200
 
 
 class SuspensionSprings:
-    """Springs and dampers in roll and pitch, at the height that the robot's file states.
+    """Simulated suspension of a base: springs and dampers in roll and pitch, at the height in the robot's
+    file.
 
-    They are physical: the body tilts under its own weight, the load's, and the force that the hand presses
-    with. Their stiffness is fitted to the file: averaged over the arm's postures, the weight of the arm
-    alone tilts the body by `lean_mrad_per_m` for each metre between the hand and the base's centre. In a
-    single posture the tilt differs from that, because the arm's centre of mass is not at the hand. They
-    are set so that the body is upright with the hand over the centre.
+    The base tilts under its own weight, the weight of the load, and the force at the hand. The springs'
+    stiffness follows from the robot's file: averaged over the arm's postures, the weight of the arm alone
+    tilts the base by `lean_mrad_per_m` for each metre between the hand and the base's centre. In a single
+    posture the tilt differs from this value, because the arm's centre of mass is not at the hand. The base is
+    upright when the hand is above the base's centre.
     """
 
     def __init__(self, robot: RobotFile, arm: ArmModel, body: RobotBody) -> None:
@@ -51,7 +52,7 @@ class SuspensionSprings:
         return float(roll), float(pitch)
 
     def act(self) -> None:
-        """Apply the forces of the springs until the drives act next."""
+        """Apply the torques of springs and dampers for the next part of a control period."""
         self._joints.spring(self._stiffness, self._damping, -self._trim)
 
 

@@ -20,7 +20,11 @@ _ACROSS = 0.7  # of a contact's normal; less is a push with the tips
 
 
 class ContactReader:
-    """Reader of the engine's contact points. All links behind the arm's last joint count as the hand."""
+    """Reader of a physics engine's contacts: what the robot touches, what it grips, and the force on its
+    hand.
+
+    The hand consists of all links that the arm's last joint moves.
+    """
 
     def __init__(self, engine: Engine, body: RobotBody, world: WorldBodies, last_joint: str | None) -> None:
         self._engine, self._body, self._world = engine, body, world
@@ -33,11 +37,11 @@ class ContactReader:
         self._pairs: Pairs = frozenset()
 
     def stepped(self) -> None:
-        """Discard readings after a step of the engine."""
+        """Discard the cached contacts; called after each step of the engine."""
         self._read.clear()
 
     def gripped(self) -> int | None:
-        """Return the engine's number of a thing that both fingers touch from two sides; None without one."""
+        """Return the engine's number of the thing that both fingers press on from opposite sides, or None."""
         if not self._fingers:
             return None
         across = self._body.link_pose("hand")[:3, 1]

@@ -19,7 +19,10 @@ MOST_LAG = 0.05  # that a blocked wheel makes up for later [rad]
 
 
 class WheelDrives:
-    """Velocity drives that follow the angle, not only the speed, and encoders that count whole steps."""
+    """Velocity drives and encoders of the wheels in a physics engine.
+
+    The drives control the wheels' angles, so that a lag is made up for, and the encoders read whole steps.
+    """
 
     STATE: ClassVar = {"speeds": FloatArray, "_goal": FloatArray, "_first": FloatArray, "_given": FloatArray}
 
@@ -40,12 +43,12 @@ class WheelDrives:
         self._given = np.zeros(len(names))
 
     def give(self, rolled: FloatArray) -> None:
-        """Turn the wheels by angles (n,) in [rad], positive forwards, that no encoder measures."""
+        """Turn the wheels by angles (n,) in [rad], positive forwards, that the encoders do not count."""
         self._given = self._given + rolled
         self._goal = self._goal + rolled
 
     def follow(self) -> None:
-        """Command the drives until they act next."""
+        """Command the drives for the next part of a control period, at `speeds`."""
         angles = self._angles()
         lag = np.minimum(np.maximum(self._goal - angles, -MOST_LAG), MOST_LAG)
         self._goal = angles + lag + self.speeds * self._chunk
@@ -64,7 +67,7 @@ class WheelDrives:
         )
 
     def rezero(self) -> None:
-        """Count the wheels' turns from their current angles."""
+        """Set the encoders to 0 at the wheels' present angles."""
         self._first = self._angles() - self._given
 
     def _angles(self) -> FloatArray:

@@ -22,22 +22,21 @@ _PRINTS = 1.5  # spines nearer than this to the camera are printed [m]
 
 
 class BookBody(ThingBody):
-    """A box with a printed spine; one to be returned has rounded edges.
+    """Body of a book in a physics engine: a box with a printed spine.
 
-    It is plain from afar; its picture is made when a camera first comes near. A book in a row sleeps until
-    something touches it.
+    A book that is not on a shelf has rounded edges. The print is drawn only while a camera is near. A book on
+    a shelf is not simulated (it sleeps) until something touches it.
     """
 
     thing: SimulatedBook
     _printed = False
 
     def pieces(self) -> tuple[Piece, ...]:
-        """Return the book's shapes around its middle; where edges are cut off, a box with a blunt wedge
-        before it.
+        """Return the book's collision shapes, around its middle.
 
-        The cut edges are those away from the spine. Fingers then hold the box, whose contacts an engine knows
-        to be flat, while of a hull it may find one point at a time, about which a gripped book would turn and
-        on which it would hook.
+        A book on a shelf is a box. Other books have cut edges opposite the spine: a box with a blunt wedge at
+        its end. Fingers hold the box, for which an engine finds flat contacts. A single convex hull would
+        often have one contact point, about which a gripped book would turn.
         """
         depth, thickness, height = self.thing.size
         if self.thing.shelf is not None:
@@ -59,9 +58,7 @@ class BookBody(ThingBody):
         return _picture(self.thing)
 
     def portrait(self) -> ByteArray:
-        """Return the picture (h, w, 3) in RGB of the book: its print on cloth in the book's colour, and the
-        pages.
-        """
+        """Return the colour picture (h, w, 3) in RGB of spine, cover and pages, laid out as `uvs` states."""
         spine = spine_levels(self.thing.spec)[_PORTRAIT][0].astype(np.float64)[..., None]
         grey, cloth = max(1, self.thing.spec.grey), np.array(self.thing.material[:3])
         # Pixels as dark as the cloth or darker are ink, lighter ones are paper.
@@ -75,7 +72,7 @@ class BookBody(ThingBody):
         return self.thing.shelf is not None
 
     def look(self, eye: FloatArray) -> None:
-        """Show the print if a camera is near, otherwise a plain box.
+        """Show the print on the book if a camera is nearer than 1.5 m, otherwise a plain box.
 
         Args:
             eye: (3,) position of the camera in the world, in [m].

@@ -16,7 +16,7 @@ MAX_LOCK_PLAY = 1e-4  # of a locked joint, in [rad] or [m]
 
 
 class DoorBody(ThingBody):
-    """A front on a hinge or a slide of the world, or the handle that is fixed to it."""
+    """Body of a door in a physics engine: its front on a hinge or slide, or the handle fixed to the front."""
 
     STICKS: ClassVar[Sticks | None] = None
 

@@ -59,7 +59,10 @@ class ContactPoint(NamedTuple):
 
 
 class Engine(ABC):
-    """A physics engine with its clock, its bodies and its saved states. Bodies have numbers."""
+    """Interface of a physics engine: a world of numbered bodies whose motion it computes in steps.
+
+    One of the bodies is the robot, with several links; the others are things, boxes and ground.
+    """
 
     CHUNK: ClassVar[float]
     """Time between two actions of the drives (a chunk), in [s], if it is less than a control period; infinity
@@ -83,17 +86,22 @@ class Engine(ABC):
     @property
     @abstractmethod
     def pinned(self) -> Pinned | None:
-        """Return the current rigid connection, or None."""
+        """Current rigid connection of two bodies; None without one."""
 
     def parts(self) -> Sequence[int]:
-        """Return the numbers of the solver's steps in each part of a chunk; contacts are read after each
-        part.
+        """Return the number of solver steps in each part of a chunk, the time between two commands to drives.
+
+        Contacts are read after each part.
         """
         return (self.substeps,)
 
     @abstractmethod
     def step(self, steps: int | None = None) -> None:
-        """Let a chunk pass, or the given number of the solver's steps, which is one of `parts`."""
+        """Advance the simulation.
+
+        Args:
+            steps: number of solver steps, one of `parts`; None: all steps of a chunk.
+        """
 
     @abstractmethod
     def close(self) -> None:
@@ -103,15 +111,17 @@ class Engine(ABC):
 
     @abstractmethod
     def add_floor(self, friction: float) -> int:
-        """Add a level floor at height 0 with Coulomb's coefficient of friction, without unit; return its
-        body.
+        """Add a level floor at height 0 with Coulomb's coefficient of friction, without unit.
+
+        Returns:
+            The floor's number as a body of the engine.
         """
 
     @abstractmethod
     def add_box(
         self, box: Box, friction: float, grey: int, moves: bool = False, material: Material = WOOD_MATERIAL
     ) -> int:
-        """Add an immovable box; return its body.
+        """Add a box that forces do not move; return its number as a body of the engine.
 
         Args:
             box: pose in the world and size, in [m].
@@ -123,7 +133,7 @@ class Engine(ABC):
 
     @abstractmethod
     def add_tile(self, corner: FloatArray, cell: float, heights: FloatArray, friction: float) -> int:
-        """Add a square of rough ground; return its body.
+        """Add a square of rough ground; return its number as a body of the engine.
 
         Args:
             corner: (2,) corner of the square with the least x and y in the world, in [m].
@@ -139,11 +149,11 @@ class Engine(ABC):
 
     @abstractmethod
     def add_thing(self, form: ThingForm) -> int:
-        """Add a rigid body that moves freely; return its number."""
+        """Add a rigid body that moves freely or on a joint of the world; return its number."""
 
     @abstractmethod
     def show(self, body: int, picture: ByteArray) -> None:
-        """Change the grey picture (h, w), 0 to 255, of a thing, parts of which are shown on its faces."""
+        """Replace the grey picture (h, w), 0 to 255, that textures the faces of a thing."""
 
     @abstractmethod
     def weigh(self, body: int, mass: float) -> None:
@@ -154,7 +164,7 @@ class Engine(ABC):
         """Return world_T_body (4, 4) of a body's middle of mass."""
 
     def moved(self) -> Collection[int] | None:
-        """Return the things that may have moved since the last call; None: any of them."""
+        """Return the numbers of the things that may have moved since the last call; None if unknown."""
         return None
 
     @abstractmethod
@@ -163,34 +173,30 @@ class Engine(ABC):
 
     @abstractmethod
     def pull(self, body: int | None, force: FloatArray) -> None:
-        """Apply a constant force at the centre of mass of one thing from now on; None ends it.
+        """Apply a constant force at the centre of mass of one thing, until the next call.
 
         Args:
-            body: number of the thing; None: no thing any more.
+            body: number of the thing; None: the present force ends, and no new one is applied.
             force: (3,) in the world frame, in [N].
         """
 
     @abstractmethod
     def touches(self, body: int, anything: bool) -> None:
-        """Let a thing collide with everything, or, if `anything` is False, with nothing at all, until the
-        next call.
-        """
+        """Switch the collisions of a thing with all other bodies on (`anything` is True) or off."""
 
     @abstractmethod
     def pin(self, wanted: Pinned | None) -> None:
-        """Make `wanted` the only rigid connection, in place of the current one; None only releases that
-        one.
-        """
+        """Replace the current rigid connection by `wanted`; None: release it without a new one."""
 
     def pin_force(self) -> FloatArray:
-        """Return the force (3,) of the rigid connection on its first body, in the world frame, in [N]."""
+        """Return the force (3,) of the rigid connection on `Pinned.body`, in the world frame, in [N]."""
         return np.zeros(3)
 
     # Bodies of the world
 
     @abstractmethod
     def touching(self, body: int) -> Collection[Touching]:
-        """Return the pairs of `contacts` without point and force, which costs less."""
+        """Return which links and bodies touch a body; faster than `contacts`, without normals and forces."""
 
     @abstractmethod
     def contacts(self, body: int) -> Sequence[ContactPoint]:
@@ -198,7 +204,7 @@ class Engine(ABC):
 
     @abstractmethod
     def free_shares(self, start: FloatArray, ends: FloatArray) -> FloatArray:
-        """Return the free share of the lines from one point to others, without the robot.
+        """Return the free share of each line from a start to an end, ignoring the robot.
 
         Args:
             start: (3,) common start of the lines in the world, in [m].

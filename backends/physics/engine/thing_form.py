@@ -32,7 +32,7 @@ BOX_NORMALS = np.array(((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, 1),
 
 
 class Cuboid(NamedTuple):
-    """A box, its sides along the axes of the thing's middle."""
+    """A box as a shape of a thing; its sides are along the axes of the thing's frame."""
 
     size: tuple[float, float, float]
     """Size along x, y and z, in [m]."""
@@ -41,7 +41,7 @@ class Cuboid(NamedTuple):
 
 
 class Rod(NamedTuple):
-    """A cylinder along z of the thing's middle."""
+    """A cylinder as a shape of a thing, around its middle, along the z axis of the thing's frame."""
 
     radius: float
     """Radius, in [m]."""
@@ -50,8 +50,10 @@ class Rod(NamedTuple):
 
 
 class Wedge(NamedTuple):
-    """A prism around the thing's middle, in [m]; from x = `base` to x = `end` it narrows along y by `chamfer`
-    on each side.
+    """A blunt wedge as a shape of a thing, in [m], in the frame at the thing's middle.
+
+    From x = `base` to x = `end` it narrows along y by `chamfer` on each side; `thickness` is its size along y
+    at x = `base`, and `height` its size along z.
     """
 
     base: float
@@ -65,7 +67,7 @@ Piece = Cuboid | Rod | Wedge
 
 
 class Sticks(NamedTuple):
-    """Contact points of a body that stays at its place under small forces."""
+    """Contact properties of a body that static friction keeps at its place under small forces."""
 
     stiffness: float
     """Stiffness of each contact point, in [N/m]."""
@@ -74,7 +76,7 @@ class Sticks(NamedTuple):
 
 
 class OnJoint(NamedTuple):
-    """A body on a joint of the world; bodies with one label move together."""
+    """Mounting of a body on a joint that is fixed in the world; bodies with the same label move together."""
 
     label: str
     joint: WorldJoint | None
@@ -82,7 +84,7 @@ class OnJoint(NamedTuple):
 
 
 class WorldJoint(NamedTuple):
-    """A hinge or a slide, at its reading 0 where the body is made."""
+    """A hinge or a slide that is fixed in the world; its position is 0 at the body's initial pose."""
 
     slides: bool
     point: tuple[float, float, float]
@@ -98,7 +100,7 @@ class WorldJoint(NamedTuple):
 
 
 class ThingForm(NamedTuple):
-    """A rigid body with its pose and its appearance."""
+    """Description of a rigid body for a physics engine: initial pose, mass, shapes, friction, appearance."""
 
     middle: Transform
     """Pose world_T_middle (4, 4) of its middle, which is its centre of mass."""

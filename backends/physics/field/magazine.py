@@ -17,8 +17,9 @@ PRESSING_PERIODS = 8  # periods that they get to press on it
 
 
 class Magazine(PropsBody):
-    """Magazine that holds the next sensor between the open fingers until they close on it; it touches nothing
-    until then.
+    """Magazine on the robot in a physics engine, which holds the next sensor between the open fingers.
+
+    The sensor collides with nothing until the fingers have closed on it.
     """
 
     STATE: ClassVar[Kinds] = {"_given": int}
@@ -30,7 +31,7 @@ class Magazine(PropsBody):
 
     @property
     def keeps_grip(self) -> bool:
-        """Return True for a sensor just given to the hand, on which the fingers needn't press yet."""
+        """True for 8 periods after a sensor was handed over, while the fingers do not have to press yet."""
         return self._given < PRESSING_PERIODS
 
     @override
@@ -55,8 +56,9 @@ class Magazine(PropsBody):
             engine.set_pose(world.bodies[sensor.name], pose)
 
     def end(self) -> None:
-        """Put the waiting sensor back to its place on the robot, where it has fallen during a single long
-        step.
+        """Put the waiting sensor back at its place on the robot.
+
+        It has fallen during the period if the engine simulates a period without interruption.
         """
         if self.pieces.engine.chunks == 1:
             self.act()

@@ -11,7 +11,7 @@ from handcart.backends.simulation.objects.carried_object import CarriedObject
 
 
 class ObjectBody(ThingBody):
-    """A box with the friction of its file."""
+    """Body of a carried object in a physics engine, with the coefficient of friction in the world's file."""
 
     @override
     def friction(self) -> float:

@@ -13,7 +13,10 @@ from handcart.backends.simulation.world.thing import Rest
 
 
 class ObjectPulls(PropsBody):
-    """Person who pulls at the held object, and carries it away once the fingers release it."""
+    """Simulated person in a physics engine who pulls at the held object.
+
+    When the fingers have released the object, the person carries it away.
+    """
 
     @override
     def step(self) -> None:

@@ -27,10 +27,11 @@ SAMPLES_PER_SIDE = 2
 
 
 class EngineCamera(SimulatedCamera):
-    """An ideal pinhole camera, then the lens, light and noise of the robot's file.
+    """Base class of cameras whose pictures a physics engine renders.
 
-    Its pictures come from the engine's renderer instead of the scene's: a result that perception reaches
-    with both is not caused by a fault of one of them. Light comes from everywhere and shadows are missing.
+    The picture of an ideal pinhole camera gets the lens, light and noise of the robot's file. `SceneCamera`
+    has another renderer: a result that perception reaches with both cameras does not come from a fault of one
+    renderer. Light comes from everywhere, and there are no shadows.
     """
 
     def __init__(
@@ -50,7 +51,7 @@ class EngineCamera(SimulatedCamera):
     @classmethod
     @override
     def build(cls, site: SensorSite[CameraSpec]) -> SimulatedCamera:
-        """Build the camera that the world's file asks for."""
+        """Build a camera with the renderer that the world's file names: the engine's, or `SceneCamera`."""
         if site.world.camera != "engine":
             return SceneCamera.build(site)
         engine, body, world = physics_of(site)
@@ -71,8 +72,9 @@ class EngineCamera(SimulatedCamera):
         return self._lens.take(self.ideal(world_T_camera), self._now)
 
     def ideal(self, world_T_camera: Transform) -> ByteArray:
-        """Return the picture (h, w), grey, of a pinhole camera; it is larger than the camera's, so that it
-        holds all rays of the lens.
+        """Return the grey picture (h, w) of a pinhole camera, before lens, light and noise.
+
+        It is larger than the camera's picture, so that it contains all rays that the lens will bend into it.
 
         Args:
             world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).

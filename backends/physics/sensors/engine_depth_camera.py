@@ -13,12 +13,15 @@ from .physics_site import physics_of
 
 
 class EngineDepthCamera(SimulatedDepthCamera):
-    """Depth camera that an engine renders: it sees the robot's own arm and rough ground, too."""
+    """Base class of depth cameras whose pictures a physics engine renders.
+
+    The pictures also show the robot's own arm and rough ground.
+    """
 
     @classmethod
     @override
     def build(cls, site: SensorSite[DepthCameraSpec]) -> SimulatedDepthCamera:
-        """Build the camera that the world's file asks for."""
+        """Build a depth camera with the renderer that the world's file names: the engine's or the scene's."""
         return cls(site) if site.world.camera == "engine" else SceneDepthCamera(site)
 
     def __init__(self, site: SensorSite[DepthCameraSpec]) -> None:

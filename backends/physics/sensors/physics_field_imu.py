@@ -15,10 +15,13 @@ REST_SPEED_M_S = 2e-3  # [m/s]: a slower base is at rest
 
 
 class PhysicsFieldImu(FieldImu):
-    """`FieldImu` for a base that is never completely at rest."""
+    """Simulated IMU on rough ground (`FieldImu`) for physics engines.
+
+    In an engine a base is never completely at rest, so a speed below 2 mm/s is read as rest.
+    """
 
     def advance(self, period: int) -> None:
-        """Take the readings at the end of a period."""
+        """Update the readings at the end of a period; `period` is its number."""
         self._wander(period)
         SimulatedImu.advance(self, period)
         now, before = self._scene.base, self._speed

@@ -13,7 +13,10 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class PhysicsImu(SimulatedImu):
-    """Inertial sensors whose accelerometers also measure the base's acceleration, a mean of two periods."""
+    """Simulated IMU in a physics engine.
+
+    Its accelerometers also measure the base's acceleration, as a mean over two periods.
+    """
 
     STATE: ClassVar = {**SimulatedImu.STATE, "_place": FloatArray, "_speed": FloatArray, "_sped": FloatArray}
 
@@ -24,7 +27,7 @@ class PhysicsImu(SimulatedImu):
         self._sped = np.zeros(3)
 
     def advance(self, period: int) -> None:
-        """Take the readings at the end of a period."""
+        """Update the readings at the end of a period; `period` is its number."""
         super().advance(period)
         place = self._scene.world_T_base[:3, 3].copy()
         speed = (place - self._place) / self._period

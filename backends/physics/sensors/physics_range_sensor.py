@@ -21,7 +21,7 @@ from .physics_site import physics_of
 
 
 class PhysicsRangeSensor(SimulatedRangeSensor):
-    """Lidar whose beams are tested in one batch against all bodies but the robot."""
+    """Simulated lidar in a physics engine; its beams meet all bodies except the robot."""
 
     def __init__(
         self,

@@ -11,7 +11,7 @@ from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
 
 
 class PhysicsSite(NamedTuple):
-    """Engine, robot and world of a backend with physics."""
+    """Engine, robot and world of a backend with physics, from which its sensors are built."""
 
     engine: Engine
     body: RobotBody
@@ -19,7 +19,7 @@ class PhysicsSite(NamedTuple):
 
 
 def physics_of(site: SensorSite[Any]) -> PhysicsSite:
-    """Return the engine behind a site.
+    """Return engine, robot and world of the backend in which a sensor is built.
 
     Raises:
         TypeError: the sensor is not built by a backend with physics.

@@ -18,10 +18,10 @@ _BASE = "base"
 
 
 def passing_pairs(urdf: str, still: Collection[str]) -> Iterator[Pair]:
-    """Yield pairs of links with bodies that pass through each other, as in `CollisionModel`.
+    """Yield the pairs of links between which collisions are not simulated, as in `CollisionModel`.
 
-    These are links that can't move against each other, because all joints between them are fixed or held
-    still, and links that one moving joint joins.
+    These are links that cannot move relative to each other, because all joints between them are fixed or held
+    still, and links that are connected by one moving joint.
 
     Args:
         urdf: text of the robot's URDF.
@@ -38,8 +38,7 @@ def passing_pairs(urdf: str, still: Collection[str]) -> Iterator[Pair]:
 
 
 def floor_T_body_links(urdf: str, rolling: Collection[str]) -> dict[str, Transform]:
-    """Return the poses floor_T_link (4, 4), by name, of the links that are fixed to the base and don't touch
-    the floor.
+    """Return the poses floor_T_link (4, 4), by link, of the links that are fixed to the base above the floor.
 
     Args:
         urdf: text of the robot's URDF.

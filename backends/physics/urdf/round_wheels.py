@@ -25,9 +25,10 @@ MIN_AXLE_COSINE = 0.9
 def with_round_wheels(urdf: str, wheels: Collection[str], tread: float) -> str:
     """Replace the collision meshes of driven wheels by discs.
 
-    A mesh that rolls as its convex hull bumps over its facets, and over a motor that its maker drew with it.
-    The disc turns about the joint's axis and reaches as far down as the mesh does with all joints at zero.
-    The discs of both sides are `tread` apart, as far as their meshes reach along the axle.
+    Engines use the convex hull of a mesh, which does not roll smoothly: it has facets, and some meshes
+    include the motor. The disc turns about the joint's axis and reaches as far down as the mesh does with all
+    joints at zero. The discs of both sides are `tread` apart, unless the meshes do not reach that far along
+    the axle.
 
     Args:
         urdf: text of the robot's URDF; meshes named by absolute paths.

@@ -26,7 +26,7 @@ DEFAULT_HOLDING_EFFORT = 1000.0
 
 
 class SoundUrdf(NamedTuple):
-    """The URDF that engines get."""
+    """URDF of a robot, corrected for physics engines; see `sound_urdf`."""
 
     text: str
     """The URDF as text; its collision meshes are named as in `hulls`."""
@@ -36,9 +36,10 @@ class SoundUrdf(NamedTuple):
 
 
 def sound_urdf(robot: RobotFile) -> SoundUrdf:
-    """Return the URDF for engines: possible masses, wheels that drive and roll, convex collision meshes.
+    """Return the URDF of a robot, corrected for physics engines.
 
-    If the base tilts, it is mounted on a chassis with a suspension.
+    Masses and inertia are physically possible, wheels are round and have a torque limit, and collision meshes
+    are convex. If the robot's file lets the base tilt, it is mounted on a chassis with a suspension.
 
     Raises:
         ValueError: a mesh cannot be read, or encloses no volume.
@@ -63,10 +64,11 @@ def casters(links: Iterable[str]) -> list[str]:
 
 
 def held_still(robot: RobotFile) -> dict[str, tuple[float, float]]:
-    """Return the limited joints that nothing drives (a head, another arm), by name.
+    """Return the joints, except continuous ones, that have no drive in the robot's file, such as a head's.
 
     Returns:
-        Position that kinematics assumes, and holding effort in [Nm] or [N].
+        By name of the joint: the position that kinematics assumes, in [rad] or [m], and the effort that holds
+        the joint there, in [Nm] or [N].
     """
     leaders = joint_leaders(robot.urdf_text())
     moved: Collection[str] = {*(robot.arm.joints if robot.arm else ()), *MOVED_JOINTS, *ROCKER_JOINTS}

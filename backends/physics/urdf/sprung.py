@@ -17,7 +17,9 @@ _MASSES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz", "value")
 
 
 def sprung(urdf: str, pivot: float, rolling: Collection[str]) -> str:
-    """Return the robot with its base tilting on a chassis; mass and dimensions stay as they are.
+    """Return the URDF of a robot with a suspension: joints for roll and pitch between a chassis and the base.
+
+    Mass and dimensions do not change.
 
     Args:
         urdf: a robot whose root is the link `base`.

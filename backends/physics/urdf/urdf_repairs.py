@@ -23,9 +23,11 @@ class Repair(NamedTuple):
 
 
 def repaired(urdf: str) -> tuple[str, list[Repair]]:
-    """Return the robot with physically possible masses and inertia, and the corrections that matter.
+    """Return the URDF with physically possible masses and inertia, and the corrections that affect a
+    simulation.
 
-    A massless frame fixed to its parent silently becomes nearly weightless.
+    A link without mass gets a very small one; this is not listed for a mere frame that is fixed to its
+    parent.
     """
     robot = ElementTree.fromstring(urdf)
     links = {match.get("name", ""): match for match in robot.findall("link")}

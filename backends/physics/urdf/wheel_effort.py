@@ -24,10 +24,9 @@ def slipping_torque(mass: float, radius: float, wheels: int) -> float:
 
 
 def with_wheel_efforts(urdf: str, wheels: Collection[str], radius: float) -> str:
-    """Give driven wheels without an effort limit the torque at which their tyres slip.
+    """Set the effort limit of driven wheels that have none to the torque at which their tyres slip.
 
-    That torque is the one at the tyre: the joint's own friction and damping are removed, because such a
-    drive overcomes them as well.
+    The joints' own friction and damping are removed, so that the full torque acts at the tyre.
 
     Args:
         urdf: URDF of the robot.

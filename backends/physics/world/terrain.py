@@ -22,8 +22,10 @@ GROUND_FRICTION = 1.0
 
 
 class Terrain:
-    """Rough ground made of waves in all directions, so that a base with wheels 0.6 m apart rolls and pitches
-    as the world says.
+    """Rough ground in a physics engine: a sum of waves in all directions, built of square tiles as needed.
+
+    The waves' height is set so that a base with wheels 0.6 m apart rolls and pitches as the world's file
+    states.
     """
 
     def __init__(self, engine: Engine, ground: GroundSpec, seed: int) -> None:
@@ -57,11 +59,11 @@ class Terrain:
         return float(self.height(np.array(x), np.array(y)))
 
     def reach(self, x: float, y: float) -> list[tuple[int, int]]:
-        """Return the tiles around a place that are missing, each as column and row; `add` creates one.
+        """Return the tiles around a position that do not exist yet, each as column and row; see `add`.
 
         Args:
-            x: in the world, in [m].
-            y: in the world, in [m].
+            x: x of the position in the world, in [m].
+            y: y of the position in the world, in [m].
         """
         side = CELLS_PER_SIDE * CELL_M
         low, high = (
@@ -72,7 +74,7 @@ class Terrain:
         return [tile for tile in near if tile not in self.tiles]
 
     def add(self, tile: tuple[int, int]) -> int:
-        """Create the tile of ground in a column and row; return its body."""
+        """Create the tile of ground in a column and row; return its number as a body of the engine."""
         along = CELL_M * np.arange(CELLS_PER_SIDE + 1)
         corner = np.array(tile) * CELLS_PER_SIDE * CELL_M
         heights = self.height(*np.meshgrid(corner[0] + along, corner[1] + along))  # a row each y

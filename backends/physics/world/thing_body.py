@@ -21,9 +21,9 @@ _INSET = 0.002  # of a side's part: not shown at its left and right, where anoth
 
 
 class ThingBody:
-    """A rigid box with the thing's mass, each side in a grey of its own or printed.
+    """Body of a movable thing in a physics engine: a rigid box whose sides are grey or printed.
 
-    Subclasses, named by `Domain.physics`, make another shape or look of it, for every engine.
+    Subclasses, which a domain names in `Domain.physics`, change shape or appearance.
     """
 
     STICKS: ClassVar[Sticks | None] = None
@@ -36,7 +36,7 @@ class ThingBody:
         self.id = engine.add_thing(self.form())
 
     def form(self) -> ThingForm:
-        """Return the description of the body."""
+        """Return the description of the body for a physics engine."""
         return ThingForm(
             self.thing.pose @ self.thing.thing_T_middle,
             self.thing.size,
@@ -54,27 +54,28 @@ class ThingBody:
         )
 
     def pieces(self) -> tuple[Piece, ...]:
-        """Return its shapes, around the thing's middle."""
+        """Return the collision shapes of the body, in the frame at the thing's middle."""
         width, _, height = self.thing.size
         return (Rod(width / 2, height) if self.thing.is_round else Cuboid(self.thing.size),)
 
     def friction(self) -> float:
-        """Return its coefficient of friction; the friction of a pair of bodies is the product of both
-        coefficients.
+        """Return the body's coefficient of friction.
+
+        Between two touching bodies the product of both coefficients acts.
         """
         return THING_FRICTION
 
     def uvs(self) -> tuple[Uvs, ...]:
-        """Return the corners (u, v), 0 to 1, of its faces in its picture; faces -x, +x, -y, +y, +z, -z."""
+        """Return the texture corners (u, v), 0 to 1, of the faces, in the order -x, +x, -y, +y, +z, -z."""
         faces = self.thing.faces()
         return tuple(_part_of(number, side in faces) for number, side in enumerate(BOX_SIDES))
 
     def first_picture(self) -> ByteArray:
-        """Return the picture (h, w), grey, of all faces at its creation, laid out as `uvs` says."""
+        """Return the grey texture (h, w) of all faces when the body is created, laid out as `uvs` states."""
         return _picture(self.thing.faces(), self.thing.grey)
 
     def printed(self) -> ByteArray:
-        """Return the picture (h, w), grey, that its faces show to a close camera."""
+        """Return the grey texture (h, w) of all faces for a near camera, laid out as `uvs` states."""
         return self.first_picture()
 
     def portrait(self) -> ByteArray | None:
@@ -93,11 +94,11 @@ class ThingBody:
         return white
 
     def asleep(self) -> bool:
-        """Return whether the body sleeps from the beginning until another body touches it."""
+        """Return True if the body is not simulated (it sleeps) until another body touches it."""
         return False
 
     def look(self, eye: FloatArray) -> None:
-        """Show its faces as a camera should see them; called before each picture.
+        """Set the texture that a camera at `eye` should see on the body; called before each picture.
 
         Args:
             eye: (3,) position of the camera in the world, in [m].
@@ -105,7 +106,7 @@ class ThingBody:
         self.engine.show(self.id, self.first_picture())
 
     def keep(self) -> None:
-        """Give the body the mass of the thing, at the beginning of a period."""
+        """Update the body's mass to that of the thing, at the beginning of a period."""
         if self.thing.mass != self._mass:
             self._mass = self.thing.mass
             self.engine.weigh(self.id, self._mass)

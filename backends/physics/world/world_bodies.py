@@ -33,9 +33,10 @@ _WALL, _FURNITURE, _WOOD = 165, 110, 130
 
 
 class WorldBodies:
-    """Floor, solids, printed sheets and things.
+    """All bodies of a world in a physics engine: floor or ground, solids, printed sheets and things.
 
-    Surprises come and go; things are rigid bodies that rest, lean and fall.
+    Solids do not move, but some appear or disappear during a run; things are rigid bodies that rest, lean and
+    fall.
     """
 
     STATE: ClassVar = {"made": list[tuple[int, int] | str]}
@@ -105,17 +106,16 @@ class WorldBodies:
             body.keep()
 
     def reach(self, x: float, y: float) -> None:
-        """Create the tiles of rough ground that are missing around a place, x and y in the world in [m]."""
+        """Create the missing tiles of rough ground around a position x, y in the world, in [m]."""
         for tile in self._terrain.reach(x, y) if self._terrain is not None else ():
             self._add_tile(tile)
 
     @property
     def made(self) -> list[tuple[int, int] | str]:
-        """Bodies created after the start, in their order, each as (column, row) of a tile of ground or name
-        of a thing.
+        """Bodies created after the start, in the order of creation.
 
-        To set them is to create those of a saved run that are missing here; their things must be in the
-        scene.
+        Each is the (column, row) of a tile of ground, or the name of a thing. Setting this property to the
+        value of a saved run creates the bodies that are missing here; their things must be in the scene.
         """
         return list(self._made)
 
@@ -124,7 +124,8 @@ class WorldBodies:
         """Create the bodies of a saved run that are missing, in the order of that run.
 
         Raises:
-            NotAState: the bodies that exist are not the first ones of that run, or one cannot be created.
+            NotAState: the existing bodies are not the first bodies of the saved run, or a body cannot be
+                created.
         """
         begun = list(wanted[: len(self._made)]) == self._made
         if not begun or len(set(wanted)) != len(wanted) or len(wanted) > MAX_LATE_BODIES:
@@ -157,7 +158,7 @@ class WorldBodies:
         return self._engine.pose(self.bodies[thing.name]) @ inverse(thing.thing_T_middle)
 
     def keep_time(self) -> None:
-        """Let surprises appear and disappear at the scene's time."""
+        """Update solids that appear or disappear during a run, and moving passers, to the scene's time."""
         for body, solid in self._surprises:
             there = solid.appears <= self._scene.time < solid.leaves
             self._engine.set_pose(body, solid.box.pose if there else _AWAY)

@@ -29,8 +29,9 @@ NO_DISCS = np.empty((0, 3))
 
 
 class Crowd:
-    """Filter of scans that removes people, and compares two scans at rest by the beams that people do not
-    interrupt.
+    """Filter of lidar scans near people, for localization.
+
+    It removes points on people, and finds out whether people hide the walls from a base at rest.
     """
 
     STATE: ClassVar[Kinds] = {"_ranges": FarArray, "_is_near": bool}
@@ -58,15 +59,15 @@ class Crowd:
         self._is_near = self._is_near or len(discs) > 0
 
     def passed(self) -> None:
-        """Forget where people are: a period has passed."""
+        """Forget the people's positions at the end of a period."""
         self._discs = NO_DISCS
 
     def moved(self) -> None:
-        """Note that the base moves: people seen before no longer count in `is_near`."""
+        """Reset `is_near`, because the base moves."""
         self._is_near = False
 
     def came_to_rest(self, scan: Scan) -> None:
-        """Keep the scan taken when the base came to rest."""
+        """Store the scan that was taken when the base came to rest, for comparison with later scans."""
         self._ranges = scan.ranges.copy()
 
     def without(self, points: FloatArray, pose: Pose2) -> FloatArray:
@@ -84,12 +85,14 @@ class Crowd:
         return points[kept] if kept.sum() > MIN_KEPT_SHARE * len(points) else points
 
     def hides_walls(self, scan: Scan, pose: Pose2, field: LikelihoodField | None, rolled: Pose2) -> bool:
-        """Return whether people, and no motion, explain why the scan of a base at rest does not fit the map.
+        """Return True if a base at rest has a scan that does not fit the map because people hide walls.
 
-        People hide walls. The few walls that are still visible may have other errors on the map, so that
-        matching this scan to the map shows a motion that did not happen. The check compares this scan with
-        the scan taken when the base came to rest: if they agree better without that motion than with it, the
-        base has not moved. For a small motion the ranges of the same beams are compared.
+        The other explanation would be that the base was moved.
+
+        The few walls that are still visible may have other errors on the map, so that matching this scan to
+        the map shows a motion that did not happen. The check compares this scan with the scan taken when the
+        base came to rest: if the two scans agree better without that motion than with it, the base has not
+        moved. For a small motion the ranges of the same beams are compared.
 
         Args:
             scan: scan of this period.

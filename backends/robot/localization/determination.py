@@ -35,7 +35,7 @@ class PoseNeed(NamedTuple):
 
     @property
     def strictest(self) -> float:
-        """Limit of the position in the direction that allows least, in [m]."""
+        """Smallest of the limits of the position's error over all directions, in [m]."""
         return self.position if self.across is None else min(self.position, self.across)
 
     def scaled(self, share: float) -> PoseNeed:
@@ -44,7 +44,7 @@ class PoseNeed(NamedTuple):
         return PoseNeed(share * self.position, share * self.heading, across, self.axis)
 
     def axes(self, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the directions along which a position is compared, and the limit of each.
+        """Return the two directions along which a position's error is checked, and the limit in each.
 
         Args:
             covariance: (2, 2) or (3, 3) covariance of the pose on the map, of x and y in [m²] first.
@@ -60,7 +60,7 @@ class PoseNeed(NamedTuple):
 
 
 class Undetermined(NamedTuple):
-    """A direction in which a pose is not determined as exactly as needed."""
+    """Result of a failed accuracy check: the direction in which a pose is too uncertain, and by how much."""
 
     direction: float | None
     """Direction of the position on the map, in [rad] from its x axis, -pi/2 to pi/2; None: the heading."""
@@ -71,18 +71,18 @@ class Undetermined(NamedTuple):
 
     @property
     def unit(self) -> str:
-        """Unit of `shown`: "deg" or "mm"."""
+        """Unit of the values for messages (`shown`): "deg" for the heading, "mm" for the position."""
         return "deg" if self.direction is None else "mm"
 
     @property
     def shown(self) -> tuple[float, float]:
-        """`size` and `limit` in [mm] or [deg]."""
+        """The values `size` and `limit` for messages, in [mm] for the position or [deg] for the heading."""
         factor = math.degrees(1.0) if self.direction is None else 1e3
         return self.size * factor, self.limit * factor
 
     @property
     def words(self) -> str:
-        """Description of the direction, its size and its limit as text."""
+        """Message that names the direction, the uncertainty and its limit."""
         size, limit = self.shown
         digits = (0 if limit >= 10.0 and self.unit == "mm" else 2) if limit >= 0.1 else 4
         sizes = f"3 sigma {size:.{digits}f} {self.unit}, at most {limit:.{digits}f} {self.unit} allowed"
@@ -98,15 +98,15 @@ def undetermined(
     off: tuple[float, float, float] = (0.0, 0.0, 0.0),
     shift: FloatArray = NO_SHIFT,
 ) -> Undetermined | None:
-    """Return the direction in which a pose is determined worst, if it exceeds the need; otherwise None.
+    """Return the direction in which a pose is most uncertain, if the uncertainty exceeds the need, or None.
 
     Args:
         covariance: (3, 3) covariance of the pose: x and y on the map in [m], heading in [rad].
         need: limit of 3 sigma plus the distance from the wanted pose.
-        off: pose less the wanted one: x, y on the map in [m] and heading in [rad].
-        shift: (2,) or (1 + n, 2) largest errors of the position on the map beyond the covariance, either way,
-            in [m]: an error that is anywhere up to it, or the sum of n such errors instead, as in
-            `depth_shifts`. They are the same in all readings at one place, so noise comes on top of them.
+        off: pose minus the wanted pose: x, y on the map in [m] and heading in [rad].
+        shift: largest systematic error of the position on the map, either way, in [m], in addition to the
+            covariance; (2,) for a single error, or (1 + n, 2) with n errors whose sum is used instead, as in
+            `depth_shifts`. A systematic error is the same in all readings at one place.
     """
     if not np.isfinite(covariance).all():
         return Undetermined(0.0, math.inf, need.position)
@@ -127,10 +127,10 @@ def undetermined(
 
 
 def room_left(covariance: FloatArray, need: PoseNeed, shift: FloatArray = NO_SHIFT) -> tuple[float, float]:
-    """Return the limit of a need less 3 sigma: of the position in its worst direction, in [m], and of the
-    heading, in [rad].
+    """Return the margin between a need's limits and 3 sigma of a pose; below 0 the need is not met.
 
-    Below 0 the need is not met.
+    Returns:
+        Margin of the position in its worst direction, in [m], and margin of the heading, in [rad].
 
     Args:
         covariance: (3, 3) covariance of the pose: x and y on the map in [m], heading in [rad].
@@ -177,5 +177,5 @@ def sigmas_along(covariance: FloatArray, axes: FloatArray) -> FloatArray:
 
 
 def difference(pose: Pose2, goal: Pose2) -> tuple[float, float, float]:
-    """Return a pose minus a goal: x and y on the map in [m], and heading in [rad], wrapped to half a turn."""
+    """Return a pose minus a goal: x and y on the map in [m], and heading in [rad], wrapped to ±pi."""
     return pose.x - goal.x, pose.y - goal.y, wrap(pose.theta - goal.theta)

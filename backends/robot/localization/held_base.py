@@ -15,7 +15,11 @@ HELD_REASON = "its wheels turned while something held it, and its scans do not s
 
 
 class HeldBase:
-    """Monitor of a base whose wheels may turn while it is held; corrects the pose by its scans."""
+    """Detector of a base that an obstacle holds while its wheels turn.
+
+    It compares the wheels' travel with the lidar's scans, and corrects the pose if they contradict each
+    other.
+    """
 
     def __init__(self, wheels: Localizer, lidar: Lidar | None, period: float) -> None:
         """Begin at rest; without a lidar the wheels are believed. The control period is in [s]."""
@@ -26,19 +30,17 @@ class HeldBase:
 
     @property
     def compares_scans(self) -> bool:
-        """True if scans are compared, which show that the base is held while its wheels turn."""
+        """True if there is a lidar with whose scans the wheels' travel is compared."""
         return self._lidar is not None
 
     @property
     def is_settled(self) -> bool:
-        """True if the scans show the motion that the wheels report, or the pose was found again since they
-        did not.
-        """
+        """True if scans and wheels agree, or the pose was found again after the last contradiction."""
         return self._searched == 0 and not self._check.is_doubtful
 
     @property
     def searches(self) -> bool:
-        """True from the time when scans contradicted the wheels until a scan matches the map again."""
+        """True after the scans contradicted the wheels, until a scan matches the map again."""
         return self._searched > 0
 
     @property
@@ -52,11 +54,12 @@ class HeldBase:
         )
 
     def update(self, rolled: WheelTravel, still: int) -> bool:
-        """Compare the wheels' travel in a period with its scan; return whether the pose was corrected.
+        """Compare the wheels' travel in a period with the period's scan; return True if the pose was
+        corrected.
 
         Args:
             rolled: travel of the wheels in the period, in [m].
-            still: periods that the base has been at rest.
+            still: number of periods for which the base has been at rest.
         """
         if self._lidar is None:
             return False
@@ -86,6 +89,6 @@ class HeldBase:
             self._searched = 0
 
     def reset(self) -> None:
-        """Begin again, at a pose that was set."""
+        """Start monitoring again, after the pose was set from outside."""
         self._check.reset()
         self._searched = 0

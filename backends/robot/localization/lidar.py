@@ -24,7 +24,10 @@ ANY_LIDAR = RangeSpec(beams=3, reach_m=1e6, sigma_mm=10.0)
 
 
 class Lidar(RangeSensor):
-    """Interpreter of a range sensor's raw scans; primitives, guard and recorders use interpreted scans."""
+    """Lidar that interprets the raw scans of another lidar by the robot's file.
+
+    In an interpreted scan each beam has a `Validity`. All users except the backend use interpreted scans.
+    """
 
     def __init__(self, sensor: RangeSensor, robot: RobotFile, spec: RangeSpec | None = None) -> None:
         """Read a sensor's scans by its section of a robot's file (default: that of the first lidar)."""
@@ -51,14 +54,12 @@ class Lidar(RangeSensor):
         return lambda: self.read(later())
 
     def read(self, raw: Scan) -> Scan:
-        """Return a raw scan as an interpreted one, in which each beam has its validity and invalid ranges are
-        infinite.
-        """
+        """Interpret a raw scan: give each beam its validity, and set ranges without a return to infinity."""
         return read_scan(raw, self.spec, self._footprint)
 
     @property
     def blockage(self) -> str:
-        """Reason why the lidar is blocked or dirty by this period's scan, as text; empty if it is not."""
+        """Message that the lidar is blocked or dirty, if most of this period's beams are blind; or ""."""
         if self.blind_share <= MAX_BLIND_SHARE:
             return ""
         scan = self.scan()
@@ -84,8 +85,8 @@ class Lidar(RangeSensor):
 
     @property
     def silence(self) -> str:
-        """Return why this period's scan determines no pose (blocked, or nearly no echoes); empty if it
-        does.
+        """Message if this period's scan is useless for localization, because the lidar is blocked or gets
+        nearly no echoes; empty otherwise.
         """
         scan = self.scan()
         if self._silence is None or self._silence[0] is not scan:
@@ -100,8 +101,9 @@ class Lidar(RangeSensor):
         return f"the lidar gets next to no echoes: {echoes} of {len(scan.ranges)} beams return"
 
     def beams(self) -> ScanBeams:
-        """Return this period's scan as beams in the base frame; ranges of blind beams are NaN. All callers
-        share the arrays.
+        """Return this period's scan as beams in the base frame; ranges of blind beams are NaN.
+
+        All callers get the same arrays, and must not change them.
         """
         scan = self.scan()
         if self._beams is None or self._beams[0] is not scan:

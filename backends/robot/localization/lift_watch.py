@@ -15,7 +15,7 @@ LOOK_AGAIN = 10  # periods at rest between scans that are compared for a moved b
 
 
 class LiftWatch:
-    """Watch that compares each period's scan with the one before."""
+    """Detector of a base that is lifted and set down elsewhere: each scan is compared with the one before."""
 
     def __init__(self, tread: float) -> None:
         """Begin without scans; `tread` of the wheels in [m]."""
@@ -23,13 +23,13 @@ class LiftWatch:
         self._may_slide = 0  # periods left in which it may
 
     def take(self, lidar: Lidar, rolled: WheelTravel, still: int, crowd: Crowd, pose: Pose2) -> Lost | None:
-        """Return the evidence that the base was lifted in the last periods, or None.
+        """Process this period's scan; return the evidence that the base was lifted, or None.
 
         Args:
             lidar: first lidar of the robot.
             rolled: travel of the wheels in this period, in [m].
-            still: periods that the base has been at rest.
-            crowd: people around the base, who change scans, too.
+            still: number of periods for which the base has been at rest.
+            crowd: people around the base, who change scans as well.
             pose: estimated map_T_base.
         """
         self._may_slide = max(0, self._may_slide - 1)
@@ -46,7 +46,7 @@ class LiftWatch:
         return None
 
     def note_contact(self) -> None:
-        """Note that the base ran into something: in the next periods scans may change because it slides."""
+        """Record that the base ran into something; the next 60 periods allow for scans of a sliding base."""
         self._may_slide = SLIDING_PERIODS
 
     def reset(self) -> None:

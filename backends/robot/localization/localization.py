@@ -96,12 +96,12 @@ class Localization(ABC):
 
     @property
     def can_relocate(self) -> bool:
-        """True if `forget_pose` and `locate` can be used: scans are compared with a map."""
+        """True if the robot has a map and a lidar, which `forget_pose` and `locate` need."""
         return self.map_field is not None and isinstance(self._range_sensor, Lidar)
 
     @property
     def odometry_pose(self) -> Pose2:
-        """Pose of the base without jumps, in a frame of its own if `pose` jumps; otherwise `pose`."""
+        """Continuous 2D pose of the base: `pose`, or, if that jumps, dead reckoning in another frame."""
         return self.pose
 
     def set_origin(self) -> None:
@@ -110,9 +110,9 @@ class Localization(ABC):
 
     @property
     def displacement(self) -> Belief | None:
-        """Motion of the base since `set_origin`; None if it is only known as the difference of two poses.
+        """Motion of the base since `set_origin`; None if only two estimated poses could be subtracted.
 
-        Ahead and to the left in [m], turn to the left in [rad]: mean (3,) and covariance (3, 3).
+        Mean (3,) and covariance (3, 3): ahead and to the left in [m], turn to the left in [rad].
         """
         return self._wheels.odometry.displacement
 
@@ -128,25 +128,25 @@ class Localization(ABC):
 
     @property
     def repeatability(self) -> FloatArray:
-        """Covariance (3, 3) of a pose compared with another one measured at the same place.
+        """Covariance (3, 3) of the pose relative to another pose estimated at the same place.
 
-        In [m] and [rad] on the map, without the map's error, which both poses share. It is never below the
-        noise of the sensors, and as large as `covariance` along a direction that they do not determine.
+        In [m] and [rad], without the map's error, which both poses share. It is never below the sensors'
+        noise, and equals `covariance` along a direction that the sensors do not determine.
         """
         return self.covariance
 
     @property
     def map_shift(self) -> FloatArray:
-        """Largest errors of the position on the map due to the map's cells, either way, in [m].
+        """Largest errors of the position on the map due to the size of the map's cells, either way, in [m].
 
-        (2,), or (1 + n, 2) with those by walls of n directions below; added to `repeatability` where a pose
-        is compared with a place on the map.
+        Along x and y (2,), or (1 + n, 2) with n more rows for the errors by walls of n directions. They count
+        in addition to `repeatability` when a pose is compared with a place on the map.
         """
         return np.zeros(2)
 
     @property
     def sigma(self) -> tuple[float, float]:
-        """Sigmas by `repeatability`: position, worst direction [m], and heading [rad]; infinite if lost."""
+        """Sigmas by `repeatability`: position [m] in its worst direction, heading [rad]; infinite if lost."""
         return (math.inf, math.inf) if self.lost is not None else worst_sigmas(self.repeatability)
 
     @property
@@ -166,22 +166,22 @@ class Localization(ABC):
 
     @property
     def doubt(self) -> Lost | None:
-        """Reason why the claimed accuracy of the pose is unreliable now; None while it is reliable."""
+        """Reason why `covariance` is too small at the moment; None while it can be relied on."""
         return self.lost
 
     @property
     def slips(self) -> int:
-        """Number of scans at rest that contradicted the wheels' pose after a drive."""
+        """Number of drives after which a scan at rest contradicted the pose by the wheels."""
         return 0
 
     @property
     def added_sigma(self) -> float:
-        """Sigma of the position in [m] that the last drive has added, and that a scan at rest removes."""
+        """Sigma of the position in [m] that the last drive has added, until a scan at rest corrects it."""
         return 0.0
 
     @property
     def sensed(self) -> Sensed | None:
-        """Outdoor readings of the last period; None indoors."""
+        """Readings of wheels, IMU, satellite receiver and beacons in the last period; None indoors."""
         return None
 
     @property
@@ -230,7 +230,7 @@ class Localization(ABC):
         self.held_base.note_pose(self._is_found)
 
     def look_again(self, rolled: Pose2 = Pose2(0.0, 0.0, 0.0)) -> None:
-        """Find the pose again if a scan shows that the base at rest was moved, other than by `rolled`."""
+        """Find the pose again if a scan shows a motion at rest other than `rolled`, that by the wheels."""
         if self.still <= STILL_SCANS or self._range_sensor is None:
             return
         points, scan = self._fresh_points(), self._range_sensor.scan()
@@ -240,12 +240,12 @@ class Localization(ABC):
             self._displaced()
 
     def found_at(self, pose: Pose2, sigma: tuple[float, float]) -> None:
-        """Correct the pose by a measured map_T_base, with its sigma in [m] on each axis and in [rad]."""
+        """Correct the pose by a measured map_T_base with sigmas of x and y, in [m], and heading, in [rad]."""
         variance = np.diag([sigma[0], sigma[0], sigma[1]]) ** 2
         self._wheels.odometry.correct(pose, variance)
 
     def forget_pose(self) -> None:
-        """Estimate poses in a local frame from now on, relative to the scans taken from here on."""
+        """Give up the pose on the map; estimate it on a new local map that is drawn from coming scans."""
         assert self.map_field is not None
         assert isinstance(self._range_sensor, Lidar)
         self.local_map, self.lifted = LocalMap(), None
@@ -256,7 +256,7 @@ class Localization(ABC):
         self.set_origin()
 
     def locate(self, pose: Pose2, covariance: FloatArray) -> None:
-        """Return to the map at map_T_base, found by a search, with covariance (3, 3) in [m] and [rad]."""
+        """Return from a local map to map_T_base, as a search found it, with covariance in [m] and [rad]."""
         assert self.map_field is not None
         self.local_map = self.lifted = None
         self._wheels.change_map(self.map_field, pose, covariance)
@@ -265,13 +265,13 @@ class Localization(ABC):
         self.set_origin()
 
     def follow_map(self, field: LikelihoodField, pose: Pose2, covariance: FloatArray) -> None:
-        """Compare scans from now on with a map drawn from scans; `pose` and `covariance` are on that map."""
+        """Match scans with a new map that was drawn from scans; `pose` and `covariance` are on that map."""
         self.map_field = field
         self._wheels.change_map(field, pose, covariance)
         self._wheels.surface_error, self.still = DRAWN_SURFACE_M, 0
 
     def measure_displacement(self, displacement: Pose2, covariance: FloatArray) -> None:
-        """Correct the pose at rest by a measured motion since `set_origin`; scans then only detect a push."""
+        """Correct the pose at rest by a measured motion since `set_origin`; scans then only detect pushes."""
         self._wheels.odometry.measure_displacement(displacement, covariance)
         self.still = STILL_SCANS + 1
 
@@ -302,10 +302,10 @@ class Localization(ABC):
         return True
 
     def mark(self) -> None:
-        """Mark the present instant: `smoothed` then returns the pose of this instant, too."""
+        """Mark the present instant, so that `smoothed` returns the pose at this instant."""
 
     def smoothed(self) -> list[Belief]:
-        """Return the pose at each `mark` by all readings, later ones too; empty if those add nothing."""
+        """Return the pose at each `mark` by earlier and later readings; empty if later ones are not used."""
         return []
 
     def _predict(self, left: float, right: float, sideways: float) -> None:
@@ -348,7 +348,7 @@ class Localization(ABC):
     # Checkpoints
 
     def state(self) -> dict[str, Any]:
-        """Return the estimates so far, as plain data."""
+        """Return the present estimates for a checkpoint, as plain data."""
         state: dict[str, Any] = {
             name: attributes(part, kinds) for name, (part, kinds) in self._parts().items()
         }

@@ -39,10 +39,10 @@ def localization_of(
     lidar: RangeSensor | None,
     is_start_exact: bool = False,
 ) -> Localization:
-    """Return the localization named in the robot's file, or another one if its sensors are missing.
+    """Build the localization that the robot's file names, or a simpler one if its sensors are missing.
 
-    Without a positioning system scans are matched instead; without a map or a lidar the wheels alone remain.
-    The outdoor localizations need an IMU.
+    Without a positioning system, scans are matched with the map instead; without a map or a lidar, only the
+    wheels are used. The outdoor localizations need an IMU.
 
     Args:
         backend: backend of the robot, which is at rest.
@@ -50,7 +50,7 @@ def localization_of(
         start: map_T_base as the task states it.
         grid: map that scans are compared with; None without one.
         lidar: lidar whose scans are compared with the map; None without one.
-        is_start_exact: whether the start defines the frame, because a map is missing.
+        is_start_exact: True if the start defines the map frame, because there is no map.
 
     Raises:
         MissingCapability: the backend has no IMU, which an outdoor localization needs.
@@ -77,7 +77,7 @@ def localization_of(
 
 
 def odometry_errors(spec: RobotFile) -> OdometryErrors:
-    """Return the assumed errors of a robot's wheels."""
+    """Return the assumed errors of a robot's wheel odometry, for a holonomic base with sideways errors."""
     errors = spec.odometry.errors
     if spec.drive.kind != "holonomic":
         return errors

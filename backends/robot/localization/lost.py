@@ -11,7 +11,7 @@ LIFTED_REASON = "it was lifted and set down elsewhere: its scans changed at once
 
 
 class Lost(NamedTuple):
-    """Reason why the base's pose is unknown."""
+    """Reason why the base's pose is unknown: a text, and the measured quantity that exceeded its limit."""
 
     why: str
     """Reason, as text."""
@@ -25,10 +25,10 @@ class Lost(NamedTuple):
 
 
 def lost_by_stale_lidar(seconds: float) -> Lost | None:
-    """Return the reason "the lidar repeats its last scan" if it did so for too long; None otherwise.
+    """Return a reason for an unknown pose if the lidar has repeated its last scan for over 10 s; or None.
 
     Args:
-        seconds: time since its last new scan while the base moved, in [s].
+        seconds: time since the lidar's last new scan while the base moved, in [s].
     """
     if seconds <= MAX_STALE_S:
         return None
@@ -37,6 +37,6 @@ def lost_by_stale_lidar(seconds: float) -> Lost | None:
 
 
 def lifted_by(share: float) -> Lost:
-    """Return the reason "the base was lifted", given the share of beams that changed at once."""
+    """Return the reason that the base was lifted, which a `share` of beams that changed at once showed."""
     what = "share of beams that changed at once"
     return Lost(LIFTED_REASON, "RangeSensor", what, share, MAX_CHANGED_SHARE)

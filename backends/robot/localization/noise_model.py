@@ -77,7 +77,7 @@ def _start_heading(gps: GpsSpec) -> float:
 
 
 def beacon_errors(beacons: BeaconsSpec) -> BeaconErrors:
-    """Return the beacons' places and errors."""
+    """Return the beacons' positions and the assumed errors of their ranges, in SI units."""
     return BeaconErrors(
         np.array(list(beacons.places_m.values())),
         beacons.tag_m,

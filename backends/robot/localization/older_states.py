@@ -14,7 +14,7 @@ from .crowd import Crowd
 
 
 def completed(state: object) -> object:
-    """Return the state of a localization with the parts that older checkpoints lack."""
+    """Add the parts that checkpoints of older versions lack to the state of a localization."""
     if not isinstance(state, dict):
         return state
     found = {"crowd": attributes(Crowd(), Crowd.STATE), **state}
@@ -25,7 +25,7 @@ def completed(state: object) -> object:
 
 
 def local_map_of(echoes: list[float], pose: Pose2) -> LocalMap:
-    """Return the local map of a checkpoint.
+    """Rebuild the local map (see `Localization.local_map`) that was saved in a checkpoint.
 
     Args:
         echoes: x and y of each echo on the local map, alternating, in [m].

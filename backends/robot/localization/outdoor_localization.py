@@ -28,7 +28,7 @@ MAX_TRAVEL_WITHOUT_GYRO_M = 0.15  # [m] of wheel travel that the gyros may miss
 
 
 class OutdoorLocalization(Localization):
-    """Filter of all outdoor sensors; scans are not compared with a map."""
+    """Localization outdoors by a filter of wheels, IMU, satellite receiver and beacons, without a map."""
 
     STATE: ClassVar[Kinds] = {**Localization.STATE, "_felt": FloatArray, "_felt_at": WheelTravel}
     POSE_JUMPS: ClassVar[bool] = True
@@ -102,9 +102,10 @@ class OutdoorLocalization(Localization):
 
     @property
     def repeatability(self) -> FloatArray:
-        """Covariance (3, 3) of a pose that is measured again, x and y in the world in [m], heading in [rad].
+        """Covariance (3, 3) of the pose relative to another pose estimated at the same place.
 
-        Before the heading is known, poses are by wheels and gyros alone.
+        x and y in the world in [m], heading in [rad]. While the heading is unknown, it is the covariance of
+        the motion by wheels and gyros since `set_origin`.
         """
         return self.covariance if self.heading_known else self._filter.displacement.covariance
 
@@ -127,8 +128,10 @@ class OutdoorLocalization(Localization):
 
     @property
     def lost(self) -> Lost | None:
-        """Reason why the pose is unknown, since without gyros wheels alone don't measure the heading well;
-        None while known.
+        """Reason why the pose is unknown; None while it is known.
+
+        It is unknown if the wheels have rolled more than 0.15 m without a new reading of the gyros, because
+        wheels alone do not measure the heading well.
         """
         rolled = self.travel.away(self._felt_at)
         if rolled <= MAX_TRAVEL_WITHOUT_GYRO_M:

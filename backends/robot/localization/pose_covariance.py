@@ -23,9 +23,10 @@ def worst_sigmas(covariance: FloatArray) -> tuple[float, float]:
 
 
 def repeatability_of(covariance: FloatArray, map_error: FloatArray) -> FloatArray:
-    """Return the covariance (3, 3) of a pose compared with another one that scans measured at the same place.
+    """Return the covariance (3, 3) of a pose relative to another pose that scans measured at the same place.
 
-    It lacks the map's error, which both poses share, and is never less than the scatter of matches.
+    It does not contain the map's error, which both poses share, and is never below the noise of scan
+    matching.
 
     Args:
         covariance: (3, 3) covariance of the pose: x and y on the map in [m], heading in [rad].
@@ -35,7 +36,7 @@ def repeatability_of(covariance: FloatArray, map_error: FloatArray) -> FloatArra
 
 
 def remove_part(covariance: FloatArray, part: FloatArray) -> FloatArray:
-    """Return a covariance (3, 3) without a part, its variances not below zero.
+    """Subtract a part from a covariance (3, 3), and return the rest with negative variances set to zero.
 
     Args:
         covariance: (3, 3) covariance of x, y in [m] and heading in [rad].

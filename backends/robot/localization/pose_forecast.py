@@ -59,7 +59,7 @@ def forecast_pose(
     docks: bool = False,
     usual: PoseNeed | None = None,
 ) -> PoseForecast:
-    """Drive a route on the map with the localizer of the robot, and scans as the map has them.
+    """Predict the accuracy of the pose on a route, by the robot's localizer with scans simulated on the map.
 
     Args:
         field: likelihood field of the map.
@@ -68,8 +68,9 @@ def forecast_pose(
         start: initial map_T_base.
         route: (n, 2) waypoints on the map, in [m].
         need: required accuracy of the pose at the end.
-        docks: True if the robot measures the front there itself, so that the map's cells do not matter.
-        usual: accuracy that places usually need, by which `blind_m` is measured (default: `need`).
+        docks: True if the robot docks at the end by its own measurements, so that the size of the map's cells
+            does not matter.
+        usual: accuracy that places usually need; `blind_m` is the length without it (default: `need`).
     """
     localizer = ScanLocalizer(
         field,

@@ -14,8 +14,9 @@ from .localization import Localization
 
 
 class PositioningLocalization(Localization):
-    """Estimator whose wheels propagate the pose and whose readings correct it; at rest, readings elsewhere
-    show that the base was moved.
+    """Localization by wheels, corrected by the readings of an indoor positioning system.
+
+    At rest, readings at another place show that the base was moved.
     """
 
     def __init__(

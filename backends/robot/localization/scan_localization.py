@@ -31,7 +31,7 @@ MIN_SHARE_FOUND = 0.85  # of the share explained before, from which a scan shows
 
 
 class ScanLocalization(Localization):
-    """Estimator whose wheels propagate the pose and whose scans correct it."""
+    """Localization by wheels, corrected by matching lidar scans with the map."""
 
     STATE: ClassVar[Kinds] = {**Localization.STATE, "_map_error_then": FloatArray}
 
@@ -71,8 +71,8 @@ class ScanLocalization(Localization):
     def displacement(self) -> Belief:
         """Motion of the base since `set_origin`, in the base frame at that time.
 
-        Ahead and to the left in [m], turn to the left in [rad]: mean (3,) and covariance (3, 3), without the
-        error of the map at one place, which both poses share.
+        It has mean (3,) and covariance (3, 3): ahead and to the left in [m], turn to the left in [rad]. The
+        covariance does not contain the map's error, which the two poses share.
         """
         mean, spread = self._matching.odometry.displacement
         shared = self._map_error_then + self._matching.map_error

@@ -16,7 +16,8 @@ WITHIN_FOOTPRINT_M = 0.05
 
 
 def read_scan(raw: Scan, spec: RangeSpec, footprint: Footprint) -> Scan:
-    """Return a scan in which each beam has its validity, and a finite range if it is a return.
+    """Interpret a raw scan: return a scan in which each beam has its validity, and a finite range for a
+    return.
 
     Never raises, whatever a driver delivers. By REP 117 infinity means no return, -infinity too close and
     NaN invalid; `RangeSpec.no_return` decides about zeros and readings below the minimum range.
@@ -24,7 +25,7 @@ def read_scan(raw: Scan, spec: RangeSpec, footprint: Footprint) -> Scan:
     Args:
         raw: scan of the backend.
         spec: limits, masks and the driver's conventions, from the robot's file.
-        footprint: outline of the robot; a return well inside it is too close.
+        footprint: outline of the robot; a return inside it, with a margin at the edge, is too close.
     """
     ranges = raw.ranges
     if not spec.masked_deg and (ranges > _least_sound(raw, spec, footprint.radius)).all():

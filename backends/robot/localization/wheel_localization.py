@@ -26,13 +26,13 @@ MAX_COMMANDED_TRAVEL_M = 0.03
 
 
 class WheelLocalization(Localization):
-    """Estimator that propagates the pose by the wheels; with a map and a lidar, scans at rest are evidence.
+    """Localization by the wheels; with a map and a lidar, scans of the base at rest correct it.
 
-    Scans show whether the base was moved while its wheels were at rest, and its pose after each drive. If no
-    close pose explains the scan, the base is lost.
+    Scans show whether the base was moved while its wheels were at rest, and check its pose after each drive.
+    If no pose close to that of the wheels explains the scan, the base is lost.
 
-    If driven wheels repeat their readings, either the wheels or the encoders are stuck: the two cannot be
-    distinguished, so the pose is unknown.
+    If the encoders' readings do not change while the base is commanded to drive, either the wheels or the
+    encoders are stuck. The two cannot be distinguished, so the pose is unknown.
     """
 
     STATE: ClassVar[Kinds] = {**Localization.STATE, "_unanswered": float}
@@ -88,8 +88,9 @@ class WheelLocalization(Localization):
         return self._reckoning.added_sigma
 
     def look_again(self, rolled: Pose2 = Pose2(0.0, 0.0, 0.0)) -> None:
-        """Find the pose again if a scan shows that the base was moved; after a drive, first compare the
-        wheels' pose with a scan.
+        """Find the pose again if a scan shows that the base was moved while its wheels were at rest.
+
+        After a drive, the pose by the wheels is compared with a scan first.
 
         Args:
             rolled: pose of the base by the wheels in the base frame when it came to rest; the identity if the
