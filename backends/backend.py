@@ -151,7 +151,7 @@ class Backend(ABC):
 
     @property
     def inner(self) -> Backend | None:
-        """Wrapped backend, if this one is in front of another backend; None otherwise."""
+        """Simulated backend whose robot is moved by this backend's simulated drives; None otherwise."""
         return None
 
     def ground_truth(self) -> GroundTruth | None:

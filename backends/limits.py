@@ -72,12 +72,12 @@ def checked_joints(model: ArmModel, joints: FloatArray, last: FloatArray, most: 
 
     Args:
         model: model of the arm.
-        joints: (n,) wanted at the end of the next period, in [rad] or [m].
-        last: (n,) commanded for the end of this period, in [rad] or [m].
+        joints: (n,) joints commanded for the end of the next period, in [rad] or [m].
+        last: (n,) joints commanded for the end of this period, in [rad] or [m].
         most: (n,) largest step of each joint in a period, in [rad] or [m].
 
     Raises:
-        CommandError: a value isn't finite, is beyond its limit, or too far from the last one.
+        CommandError: a value is not finite, is beyond its limit, or differs from `last` by more than `most`.
     """
     wanted = np.array(joints, dtype=np.float64)
     if wanted.shape != last.shape or not np.isfinite(wanted).all():

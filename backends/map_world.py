@@ -18,11 +18,11 @@ from handcart.robotics.navigation.maps.grid_map import UNKNOWN_GREY, GridMap
 
 @contextmanager
 def as_world_file(path: Path, start: Pose2) -> Iterator[Path]:
-    """Yield the path of a world's file; for a map, that of a temporary world's file, deleted after the
-    context.
+    """Yield the path of a world's file, which is created temporarily if `path` is a map.
 
-    The temporary world contains all occupied cells of the map, and the robot at `start` (world_T_base). This
-    function is for backends that read files themselves; see `Backend.read_world`.
+    The temporary world contains all occupied cells of the map, and the robot at `start` (world_T_base); its
+    file is deleted at the end of the context. This function is for backends that read files themselves; see
+    `Backend.read_world`.
 
     Raises:
         FileError: the file, or the picture of a map, cannot be read.

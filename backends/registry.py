@@ -86,8 +86,8 @@ def make_backend(
         seed: seed of simulated errors.
         start: initial world_T_base in a map's world; a world's file has its own.
         window: True to show robot and world.
-        bench: name of the simulated backend behind simulated drives; None: no simulated drives.
-        put_at_start: True to put the robot at `start` in the world of a file, too.
+        bench: name of the simulated backend whose robot simulated drives move; None: no simulated drives.
+        put_at_start: True to put the robot at `start` also in the world of a world's file.
 
     Raises:
         UnknownBackend: no backend has that name; the message lists the known ones.
@@ -114,7 +114,7 @@ def make_backend(
 
 
 def bench_class(name: str, drives: str) -> type[Backend]:
-    """Return the class of a simulated backend that can run behind simulated drives.
+    """Return the class of a simulated backend whose robot can be moved by simulated drives.
 
     Args:
         name: name of the simulated backend.

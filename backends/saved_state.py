@@ -28,11 +28,13 @@ _NOT_FINITE = {"inf": math.inf, "-inf": -math.inf, "nan": math.nan}
 
 
 class NotAState(InputError):
-    """Error: the bytes are not a saved state, or one of another kind."""
+    """Error: data are not a saved state, or the state of another kind of object."""
 
 
 def pack(state: object) -> bytes:
-    """Return plain data as bytes: None, bool, int, float, str, bytes, arrays; lists and mappings of them.
+    """Return plain data as bytes, for a checkpoint.
+
+    Plain data are None, bool, int, float, str, bytes and arrays, and lists and mappings of these.
 
     Raises:
         TypeError: the data contain something else, or a key that is not a text.
@@ -44,10 +46,10 @@ def pack(state: object) -> bytes:
 
 
 def unpack(content: bytes) -> Any:
-    """Return the plain data in bytes that `pack` made.
+    """Return the plain data that `pack` converted to bytes.
 
     Raises:
-        NotAState: the bytes are of another kind, or damaged.
+        NotAState: the bytes do not come from `pack`, or are damaged.
     """
     head = _HEAD.match(content[:200])
     if head is None:
@@ -68,7 +70,7 @@ def unpack(content: bytes) -> Any:
 
 
 def digest(content: bytes | memoryview) -> str:
-    """Return the SHA-256 of these bytes in hexadecimal, which serves as their name."""
+    """Return the SHA-256 of the content in hexadecimal, which identifies it."""
     return hashlib.sha256(content).hexdigest()
 
 

@@ -19,8 +19,8 @@ HAND_LINK = "hand"
 class AnyCamera(Capability):
     """A camera anywhere on the robot whose pose follows from the measured joints.
 
-    A primitive that needs a `Camera` needs it on the hand; one that needs this also works with a camera on
-    a head or on a mast.
+    A primitive that requires a `Camera` needs a camera on the hand; a primitive that requires `AnyCamera`
+    also works with a camera on a head or on a mast.
     """
 
 

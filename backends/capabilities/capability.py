@@ -20,7 +20,10 @@ class Reading(NamedTuple):
 
 
 class Capability(ABC):  # noqa: B024  what it can do is abstract in each kind
-    """A kind of actuator or sensor; a backend provides those that its robot has."""
+    """Base class of the kinds of actuators and sensors, such as `Arm` or `Camera`.
+
+    A backend provides an object for each actuator and sensor of its robot.
+    """
 
     READINGS: ClassVar[Mapping[str, Reading]] = {}
     """Methods that read a sensor, without arguments, by name."""

@@ -21,7 +21,7 @@ class Gripper(Capability):
 
     @abstractmethod
     def move(self, width: float) -> None:
-        """Command the opening between the finger pads, in [m]. An object between them stops them, held.
+        """Command the opening between the finger pads, in [m]. An object between the pads stops and is held.
 
         Raises:
             CommandError: the width isn't finite or not between 0 and the gripper's opening.
@@ -33,4 +33,4 @@ class Gripper(Capability):
 
     @abstractmethod
     def closed_on_something(self) -> bool:
-        """Return whether the fingers press on an object or on each other (by motor current)."""
+        """Return True if the fingers press on an object or on each other, as measured by motor current."""

@@ -15,7 +15,7 @@ NO_ECHO_KINDS = np.empty(0, np.uint8)
 
 
 class Validity(IntEnum):
-    """Kind of a lidar beam's reading: a return, no return, too close, or invalid."""
+    """Kind of a lidar beam's reading (a return, no return, too close, or invalid)."""
 
     RETURN = 0
     """Something is at its range."""

@@ -16,7 +16,7 @@ Squares = Annotated[int, Field(ge=3, le=50)]
 
 
 class BoardLayout(FileModel):
-    """Layout of a camera calibration board: a chessboard, or a ChArUco board (tags in the white squares)."""
+    """Layout of a chessboard, or ChArUco board (tags in the white squares), for camera calibration."""
 
     pattern: Literal["charuco", "chessboard"] = "charuco"
     columns: Squares = 9

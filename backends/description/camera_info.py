@@ -40,7 +40,7 @@ class Matrix(FileModel):
 
 
 class CameraInfo(FileModel):
-    """Camera calibration in a ROS `camera_info` file: picture size, camera matrix and distortion.
+    """Picture size, camera matrix and distortion from a ROS `camera_info` file.
 
     Other keys of the file are skipped.
     """
@@ -109,7 +109,7 @@ class CameraInfo(FileModel):
     def distortion(self) -> FloatArray:
         """Distortion coefficients in OpenCV's order, without unit.
 
-        (4,) of a fisheye lens, (5,) or (8,) of others.
+        Their shape is (4,) for a fisheye lens, (5,) or (8,) for other lenses.
         """
         size = next(size for size in (5, 8) if size >= len(self._coefficients))
         filled = np.zeros(4 if self.lens == "fisheye" else size)

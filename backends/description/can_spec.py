@@ -40,7 +40,7 @@ without them.
 
 
 class AxisSpec(FileModel):
-    """Description of a CiA 402 drive, in a robot's file: node, encoder, gear, stop and safety features."""
+    """Node, encoder, gear, stop and safety features of a CiA 402 drive, as a robot's file states them."""
 
     node: NodeId
     """Node ID of the drive."""
@@ -157,7 +157,7 @@ class GripperDriveSpec(AxisSpec):
 
 
 class CanSpec(FileModel):
-    """Section `can` of a robot's file: the CAN interface, and the drives of wheels, joints and gripper."""
+    """Section `can` of a robot's file, with CAN interface and the drives of wheels, joints and gripper."""
 
     interface: str
     """Name of the python-can interface: socketcan, pcan, ...; `virtual` is for simulated drives."""

@@ -51,9 +51,7 @@ class DoorTag(FileModel):
 
 
 class DoorHandle(FileModel):
-    """Handle of a door: a round bar in front of the door, and the bar's pose on the map while the door is
-    closed.
-    """
+    """Handle of a door, a round bar in front, with its pose on the map while the door is closed."""
 
     x_m: float
     y_m: float
@@ -94,7 +92,7 @@ class DoorHandle(FileModel):
 
 
 class DoorShape(FileModel):
-    """Shape and motion of a door or a drawer, as in a world's file and in the robot's knowledge."""
+    """Shape and motion of a door or a drawer, as stated in a world's file or in the robot's knowledge."""
 
     motion: Literal["hinged", "sliding"] = "hinged"
     """A hinge with a vertical axis, or a drawer's level slide along the heading of the handle."""

@@ -16,7 +16,7 @@ ALL_DRIVE_KINDS = frozenset(get_args(DriveKind))
 
 
 class Drive(FileModel):
-    """Description of the base's drive, in a robot's file: kind, wheels, limits of speed and acceleration."""
+    """Kind, wheels, and limits of speed and acceleration of a base's drive, as a robot's file states them."""
 
     kind: DriveKind = "differential"
     """`differential`: two sides that turn at different speeds, with one wheel or several each (skid
@@ -70,7 +70,7 @@ class Drive(FileModel):
 
     @property
     def top_sideways(self) -> float:
-        """Maximum speed sideways, in [m/s]; 0 of a base that cannot drive sideways."""
+        """Maximum speed sideways, in [m/s]; 0 for a base that cannot drive sideways."""
         if self.kind != "holonomic":
             return 0.0
         return self.top_speed_m_s if self.top_sideways_m_s is None else self.top_sideways_m_s

@@ -20,7 +20,7 @@ OUTDOOR_LOCALIZERS = ("gyro", "particle", "gps_filter", "beacons")
 
 
 class GroundSpec(FileModel):
-    """Model of rough ground: standard deviations (sigmas) of tilt, wheel slip and side slip.
+    """Model of rough ground by standard deviations (sigmas) of tilt, wheel slip and side slip.
 
     A world's file states the true values, a robot's file the assumed ones. With the defaults, the simulated
     field test of Ohki et al. (2012) reproduces the published results
@@ -54,7 +54,7 @@ class GroundSpec(FileModel):
 
 
 class GpsSpec(MountedSensorSpec):
-    """A satellite receiver and the errors of its fixes; its frame in the URDF is that of its antenna."""
+    """Description of a satellite receiver and the errors of its fixes; its URDF frame is the antenna's."""
 
     kind: Literal["gps"] = "gps"
 

@@ -29,7 +29,7 @@ UNIT_TAG_CORNERS = np.array([[-0.5, 0.5, 0.0], [0.5, 0.5, 0.0], [0.5, -0.5, 0.0]
 
 
 class PrintedTag(FileModel):
-    """A tag printed on a side of a box."""
+    """Family, number, size and place of a tag that is printed on a side of a box."""
 
     family: TagFamily = "apriltag_36h11"
     id: Annotated[int, Field(ge=0)]
@@ -63,9 +63,8 @@ class PrintedTag(FileModel):
     def fits(self, size_mm: tuple[float, float, float], is_round: bool = False) -> bool:
         """Return True if the tag lies within the side of the box on which it is printed.
 
-        On a cylinder it must lie within the largest square on the top or the foot: on the curved side it
-            would
-        be bent.
+        On a cylinder it must lie within the largest square on the top or the foot, because on the curved side
+        it would be bent.
 
         Args:
             size_mm: size of the box along its x, y and z, in [mm].

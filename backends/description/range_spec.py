@@ -21,7 +21,7 @@ ROUNDING_DEG = 1e-6  # [deg]
 
 
 class RangeSpec(MountedSensorSpec):
-    """A lidar whose scanning plane is parallel to the floor: beams, range, masked sectors and noise."""
+    """Beams, range, masked sectors and noise of a lidar whose scanning plane is parallel to the floor."""
 
     kind: Literal["lidar"] = "lidar"
 

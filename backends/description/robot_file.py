@@ -48,7 +48,7 @@ NotNegative = Annotated[float, Field(ge=0.0)]
 
 
 class ArmSpec(FileModel):
-    """Description of an arm, in a robot's file: joints, limits, accuracy and named postures."""
+    """Joints, limits, accuracy and named postures of an arm, as a robot's file states them."""
 
     joints: tuple[str, ...]
     """Names of the arm's joints in the URDF, from the shoulder to the hand."""
@@ -69,7 +69,7 @@ class ArmSpec(FileModel):
 
 
 class GripperSpec(FileModel):
-    """Gripper with two fingers."""
+    """Opening, speed and force of a gripper with two fingers, as a robot's file states them."""
 
     opening_mm: Positive
     speed_mm_s: Positive
@@ -256,7 +256,7 @@ class RobotFile(SensorTable, OutlinedFile):
         return found
 
     def arm_model(self) -> ArmModel:
-        """Return a new kinematic model of the arm; raises ValueError without an arm."""
+        """Return a new kinematic model of the arm; raise ValueError if the robot has no arm."""
         from handcart.robotics.kinematics.arm_model import ArmModel
 
         if self.arm is None:
@@ -330,7 +330,7 @@ class RobotFile(SensorTable, OutlinedFile):
 
     @property
     def hand_camera(self) -> CameraSpec | None:
-        """The first camera that is fixed on the hand."""
+        """Description of the first camera that is fixed on the hand; None without one."""
         if self.arm is None:
             return None
         cameras, urdf = self.all_of(CameraSpec).values(), self.urdf_text()

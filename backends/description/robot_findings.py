@@ -185,7 +185,7 @@ def _slide_findings(robot: RobotFile, arm: ArmSpec, document: Document) -> list[
 
 
 def posture_faults(model: ArmModel, units: JointUnits, posture: Sequence[float]) -> list[str]:
-    """Return the reasons why an arm can't take a posture, as texts; empty if it can.
+    """Return the reasons why an arm cannot reach a posture, as texts; empty if it can.
 
     Args:
         model: model of the arm.

@@ -21,7 +21,7 @@ JointName = Annotated[str, Field(min_length=1, max_length=200)]
 
 
 class RosTopicSpec(FileModel):
-    """A ROS topic that the robot's drivers publish: name, frame and largest age of its messages."""
+    """A ROS topic that the robot's drivers publish, with name, frame and largest age of its messages."""
 
     topic: Topic
     """Name of the topic, relative to the namespace of the program."""
@@ -49,7 +49,7 @@ class RosOdometrySpec(RosTopicSpec):
 
 
 class RosGpsSpec(RosTopicSpec):
-    """Topic of a satellite receiver, and the task's origin on Earth."""
+    """ROS topic of a satellite receiver's fixes, and the task's origin on Earth."""
 
     topic: Topic = "fix"
     stale_ms: StaleTime = 2000.0
@@ -82,7 +82,7 @@ class RosCameraSpec(RosLensSpec):
 
 
 class RosDepthSpec(RosLensSpec):
-    """ROS topics of a depth camera: depth and colour pictures in one pixel grid, and their calibration."""
+    """ROS topics with a depth camera's depth and colour pictures in one pixel grid, and their calibration."""
 
     topic: Topic = "camera/aligned_depth_to_color/image_raw"
     """Depth (`16UC1` in mm, or `32FC1` in m)."""
@@ -92,7 +92,7 @@ class RosDepthSpec(RosLensSpec):
 
 
 class RosVelocitySpec(FileModel):
-    """ROS topic of the commands to the base: forward speed, sideways speed and turn rate."""
+    """ROS topic of the commands to the base (forward speed, sideways speed and turn rate)."""
 
     topic: Topic = "cmd_vel"
     type: Literal["Twist", "TwistStamped"] = "Twist"
@@ -165,7 +165,7 @@ class RosGripperSpec(FileModel):
 
 
 class RosSpec(FileModel):
-    """Section `ros2` of a robot's file: topics and actions of the robot's ROS 2 drivers, and time limits."""
+    """Section `ros2` of a robot's file, with topics and actions of its ROS 2 drivers, and time limits."""
 
     domain: Annotated[int, Field(ge=0, le=232)] | None = None
     """ROS domain (default: by the variable ROS_DOMAIN_ID)."""

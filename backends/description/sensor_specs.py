@@ -89,7 +89,7 @@ class CalibratedCamera(FileModel):
 
 
 class CameraSpec(MountedSensorSpec):
-    """Description of a camera: picture size, focal length, lens, and its calibration if there is one.
+    """Picture size, focal length and lens of a camera, and its calibration if there is one.
 
     Without `camera_info` and calibration, the optical axis is in the middle of the picture.
     """
@@ -179,7 +179,7 @@ class ImuSpec(MountedSensorSpec):
 
 
 class PositioningSpec(SensorSpec):
-    """Description of an indoor positioning system: noise, rate and delay of its readings."""
+    """Noise, rate and delay of an indoor positioning system's readings."""
 
     kind: Literal["positioning"] = "positioning"
 

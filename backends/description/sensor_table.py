@@ -23,7 +23,7 @@ OLD_KEYS = ("camera", "range_sensor", "imu", "gps", "beacons", "positioning")
 
 
 class SensorTable(FileModel):
-    """Part of a robot's file with its sensors: the table `sensors`, and older keys for one sensor each."""
+    """The table `sensors` of a robot's file, and older keys of the file for one sensor each."""
 
     sensors: dict[SensorName, SerializeAsAny[SensorSpec]] = Field(default_factory=dict)
     """Sensors by name: any number of each kind. The first one of a kind is the one that is used where only

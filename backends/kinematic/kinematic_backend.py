@@ -32,13 +32,15 @@ class KinematicBackend(SimulatedBackend):
     repeatability, the tilt of the base after the arm has swung, ranges, image noise, blur, light and lens,
     the force reading, and the places at which a person puts the robot and things.
 
-    How it differs from hardware:
+    Differences from hardware:
     - No mass: wheels, joints and fingers follow their commands within the period; limits of speed are
       checked, those of acceleration are not. Nothing swings, tips or heats up.
-    - Contacts are quasi-static. The base has the outline of its footprint and stops where it meets something,
-      its wheels slipping.
-      The arm stops where a contact begins; the force grows by 2 N a mm of further command, up to 60 N. The
-      hand, and what it holds, slides along what it presses on, with a coefficient of friction of 0.4.
+    - Contacts are quasi-static. The base has the outline of its footprint, and stops with slipping wheels
+    where
+      it meets something.
+      The arm stops where a contact begins; the force grows by 2 N per mm of further command, up to 60 N. The
+      hand, or the held thing, slides along a surface on which it presses, with a coefficient of friction of
+      0.4.
       Collisions of the arm with itself and with its base are not detected. The base also stops where the arm,
       a part mounted above the base or a thing carried on it would hit something.
     - A gripped thing is centred in the hand and fixed to it: it neither slips nor sags, but a person who

@@ -140,7 +140,7 @@ class KinematicArm(SimulatedArm):
 
 
 class KinematicGripper(SimulatedGripper):
-    """Simulated gripper without dynamics: fingers move at constant speed, and a held thing never slips."""
+    """Simulated gripper whose fingers move at constant speed, and in which a held thing never slips."""
 
     def __init__(self, spec: GripperSpec, hand: SimulatedHand, period: float, seed: int) -> None:
         super().__init__(spec, hand.scene.robot.errors, hand.scene.width, seed)

@@ -18,7 +18,7 @@ SUSPENDED_S = 0.01
 
 
 def suspended() -> float:
-    """Return how long the machine has been suspended since it was started [s]."""
+    """Return the time for which the machine has been suspended (asleep) since it was started, in [s]."""
     return time.clock_gettime(time.CLOCK_BOOTTIME) - time.monotonic()
 
 

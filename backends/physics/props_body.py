@@ -39,7 +39,7 @@ class PropsBody:
         """Act at the beginning of a period, after the domain's `SceneProps.step`."""
 
     def act(self) -> None:
-        """Act before each chunk of the period, which is the time between two actions of the drives."""
+        """Act before each chunk of the period; a chunk is the time between two commands to the drives."""
 
     def end(self) -> None:
         """Act at the end of a period, before the poses of things are read from the engine."""

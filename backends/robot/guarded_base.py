@@ -37,7 +37,7 @@ SPEED_RATIOS = (
 
 
 class GuardedBase(HolonomicBase):
-    """Base that avoids collisions: it slows each command down so that driving and braking cause no contact.
+    """Base that slows each command down so that driving and braking cause no collision.
 
     It wraps another base, and knows obstacles from the map, the lidar, earlier contacts and tracked people.
     """

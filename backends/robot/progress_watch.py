@@ -17,7 +17,7 @@ ROUGH_SIGMA_M = 0.1  # of a position: corrections of a less certain pose are not
 
 
 class ProgressWatch:
-    """Detector of a blocked base or wheel: it compares commands with the estimated motion, once a period.
+    """Detector of a blocked base or wheel, by comparing commands with the estimated motion every period.
 
     Attributes:
         blocked: evidence that the base is blocked ahead or backwards, from the last period; None without.

@@ -52,7 +52,7 @@ MAX_STOP_PERIODS = 3  # control periods within which the command to stop leaves
 
 
 class Robot:
-    """Robot as primitives use it: its backend, its file, and the estimates computed from its readings.
+    """Robot as primitives use it, with its backend, its file, and the estimates from its readings.
 
     The outermost loop calls `step` once a period; primitives never do. `pose` is map_T_base; it is estimated
     here by the same code for all backends.
@@ -178,7 +178,7 @@ class Robot:
 
     @property
     def base(self) -> GuardedBase:
-        """Base of the robot, guarded: it does not drive into obstacles that the map or the scans show."""
+        """Base of the robot that refuses to drive into obstacles that the map or the scans show."""
         return self._guarded
 
     @property
@@ -198,7 +198,7 @@ class Robot:
 
     @property
     def view_camera(self) -> Camera:
-        """Camera for the hand's work: the camera on the hand, or the robot's first other camera."""
+        """Camera for the hand's work, which is on the hand, or else the robot's first other camera."""
         return cast("Camera", self.get(AnyCamera))
 
     @property

@@ -48,12 +48,12 @@ class UnseenGround:
 
     @property
     def is_partial(self) -> bool:
-        """True if some ground is never seen by the lidar."""
+        """True if the lidar has masked sectors, or a field of view of less than a full turn."""
         return bool(self._lidar.spec.masked_deg) or not self._lidar.spec.is_full_turn
 
     @cached_property
     def view(self) -> SensorView:
-        """Field of view of the lidar; an empty one if some sectors are masked."""
+        """Field of view of the lidar in the base frame; empty if the lidar has masked sectors."""
         scan = self._lidar.scan()
         mount, spec = scan.base_T_sensor, self._lidar.spec
         width = math.radians(spec.end_deg - spec.start_deg)
@@ -61,18 +61,19 @@ class UnseenGround:
         return SensorView(mount.x, mount.y, start, -1.0 if spec.masked_deg else width)
 
     def starts_here(self) -> None:
-        """Begin a new action: forget ground driven more than `DRIVEN_S` ago, which may have changed."""
+        """Begin a new action: forget where the base drove more than `DRIVEN_S` ago."""
         since = self._clock() - DRIVEN_S
         self._driven = [spot for spot in self._driven if spot[2] >= since]
 
     def forget(self) -> None:
-        """Forget where the base has driven: poses are in another frame from now on."""
+        """Forget where the base has driven, because the frame of its poses has changed."""
         self._driven = []
 
     def held(
         self, pose: Pose2, curvature: float, length: float, direction: float = 0.0
     ) -> HoldingObstacle | None:
-        """Return the unseen ground that an arc leads to; None if the arc is seen as free, or was driven over.
+        """Return the first ground on an arc that the lidar does not see; None if it sees all ground on the
+        arc, or the base has driven there before.
 
         Args:
             pose: pose on the map that heads in the direction of travel.

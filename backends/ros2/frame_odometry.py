@@ -12,7 +12,7 @@ from .wire.frame_tree import plain
 
 
 class FrameOdometry(OdometryTopic):
-    """Travel of the wheels by the base's poses in the odometry's frame, as published by `tf`."""
+    """Wheel odometry computed from the base's poses in the odometry frame, which are published on `tf`."""
 
     KIND = "tf2_msgs/TFMessage"
 

@@ -31,11 +31,12 @@ class _Watched:
 
 
 class GoalStream:
-    """Sender of goals, each in place of the one before, that reports what goes wrong with them.
+    """Sender of a new goal to a controller's action in each period, which monitors the goals.
 
-    Each goal of a trajectory ends with the period for which it was computed: without a next one the
-    controller holds its end, as when this program is killed. A goal that is rejected, aborted, cancelled by
-    another node, or not answered is a fault; a replaced goal that ends early is not.
+    Each goal replaces the one before. A trajectory goal ends with the period for which it was computed; if no
+    further goal follows, for example because this program was killed, the controller holds the goal's end. A
+    goal that is rejected, aborted, cancelled by another node, or not answered is a fault; a replaced goal
+    that ends early is not.
     """
 
     def __init__(
@@ -77,7 +78,7 @@ class GoalStream:
             watched.was_cancelled = True
 
     def advance(self) -> None:
-        """Check the state of each goal, and note what goes wrong."""
+        """Check the state of each goal, and record a fault in `trouble`."""
         for watched in self._watched:
             self.trouble = self.trouble or self._wrong(watched)
         self.trouble = self.trouble or self.rival
@@ -93,9 +94,7 @@ class GoalStream:
         return f"{self.name}: a goal of another node is executed; allowed: goals of this program alone"
 
     def forget(self) -> None:
-        """Stop watching the goals that were sent, without cancelling them, and clear what went wrong so
-        far.
-        """
+        """Stop monitoring the goals that were sent, without cancelling them, and clear the recorded fault."""
         self._watched, self.trouble = [], ""
 
     def _wrong(self, each: _Watched) -> str:

@@ -13,15 +13,15 @@ from .wire.ros_link import Link
 
 
 class JointController(Protocol):
-    """Interface of a controller that takes positions of joints."""
+    """Interface for commanding joint positions to a ROS controller."""
 
     def send(self, names: Sequence[str], positions: Sequence[float], seconds: float) -> None:
-        """Send positions.
+        """Command positions to the controller.
 
         Args:
             names: names of the n joints in ROS.
             positions: (n,) in [rad] or [m].
-            seconds: time in [s] in which they are to be reached.
+            seconds: time in which the joints have to reach the positions, in [s].
         """
 
     def cancel(self) -> None:
@@ -29,7 +29,7 @@ class JointController(Protocol):
 
 
 class TopicController(JointController):
-    """Controller that takes messages of a topic, and holds the last one."""
+    """Controller that is commanded by messages on a topic, and holds the position of the last message."""
 
     def __init__(self, link: Link, kind: str, topic: str) -> None:
         """Announce the topic of a controller.
@@ -48,11 +48,11 @@ class TopicController(JointController):
 
     @override
     def cancel(self) -> None:
-        """Do nothing: a point sent by a topic ends with its period."""
+        """Do nothing, because the motion to the last commanded position ends with the control period."""
 
 
 class TrajectoryController(JointController):
-    """Controller that takes goals of `FollowJointTrajectory`, each of one point."""
+    """Controller that is commanded by goals of the action `FollowJointTrajectory`, each with one point."""
 
     def __init__(self, link: Link, stream: GoalStream) -> None:
         """Send goals to a stream."""
@@ -68,7 +68,10 @@ class TrajectoryController(JointController):
 
 
 class FingerController(JointController):
-    """Controller that takes goals of `GripperCommand`: one position for all fingers."""
+    """Gripper controller that is commanded by goals of the action `GripperCommand`.
+
+    A goal has one position for all fingers.
+    """
 
     def __init__(self, stream: GoalStream, effort: float) -> None:
         """Send goals to a stream, with an effort in [N]."""

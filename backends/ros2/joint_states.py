@@ -27,10 +27,10 @@ JUMP_SLACK = 0.1
 
 
 class JointStates(TopicSensor):
-    """Positions and efforts of joints; several publishers may each send some of them.
+    """Positions and efforts of the robot's joints from the topic `joint_states`.
 
-    Order and freshness are those of each joint: where one of several publishers dies, the others don't keep
-    its joints fresh.
+    Several publishers may each send some of the joints. The order and age of messages are checked for each
+    joint separately, so that the joints of a publisher that stopped are detected as stale.
     """
 
     KIND = "sensor_msgs/JointState"
@@ -41,7 +41,7 @@ class JointStates(TopicSensor):
 
         Args:
             names: names of the joints in ROS.
-            signs: for each joint 1, or -1 if it counts the other way round in ROS than in the robot's file.
+            signs: for each joint 1, or -1 if its position has the opposite sign in ROS.
         """
         self._signs = dict(zip(names, signs, strict=True))
         self._positions: dict[str, float] = {}
@@ -67,7 +67,7 @@ class JointStates(TopicSensor):
     @property
     @override
     def age(self) -> float | None:
-        """Return the age of the joint that was read longest ago [s]; None before the first message."""
+        """Age in [s] of the oldest of the joints' last readings; None before the first message."""
         if self._came is None:
             return None
         return self._now - min(self._taken_s.values(), default=self._came)
@@ -83,7 +83,7 @@ class JointStates(TopicSensor):
 
     @property
     def missing(self) -> str:
-        """Joints that no message has named, with the names in the messages, as text; "" if all were named."""
+        """Message that lists the expected joints that no message contains; "" if all have been received."""
         absent = [name for name in self._signs if name not in self._positions]
         if not absent:
             return ""

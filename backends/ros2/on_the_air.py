@@ -22,17 +22,18 @@ def await_robot(
     sleep: Callable[[float], None],
     discovery_s: float = 0.0,
 ) -> None:
-    """Wait for the first message of each topic, and for a listener to each command.
+    """Wait for the first message of each topic, and for a subscriber to each command topic.
 
     Args:
         topics: topics of the robot's file.
         link: connection to these topics.
-        seconds: longest wait in [s] until all topics are there.
-        sleep: waits a number of seconds.
-        discovery_s: time in [s] until other nodes that publish commands have been discovered.
+        seconds: longest wait for all messages and subscribers, in [s].
+        sleep: function that waits a number of seconds.
+        discovery_s: shortest wait, in which other nodes that publish commands are discovered, in [s].
 
     Raises:
-        NotOnTheAir: topics are missing or different; names all at once. Nothing has been sent.
+        NotOnTheAir: topics are missing, differ from the robot's file, or another node publishes commands; the
+            error lists all of them. No command has been sent.
     """
     begun = link.clock()
     while True:
@@ -49,7 +50,7 @@ def await_robot(
 
 
 def other_masters(topics: RosTopics, link: Link) -> Iterator[str]:
-    """Yield a finding for each topic of commands that another program publishes, too."""
+    """Yield a message for each command topic or action to which another program sends commands as well."""
     for topic in topics.commands:
         nodes = link.publishers(topic)
         if len(nodes) > 1:
@@ -80,10 +81,9 @@ def _findings(topics: RosTopics, link: Link) -> Iterator[str]:
 
 
 def unheard(topics: RosTopics, link: Link) -> list[str]:
-    """Return the topics of commands that no node takes with the type that is sent, and the actions that no
-    node serves.
+    """Return the command topics without a subscriber of the right message type, and actions without a server.
 
-    A node that listens with another type receives nothing, without an error.
+    In ROS, a node that subscribes with another message type receives nothing, and no error is reported.
     """
     deaf = [
         topic
@@ -94,7 +94,7 @@ def unheard(topics: RosTopics, link: Link) -> list[str]:
 
 
 def deafness(topics: RosTopics, link: Link, topic: str) -> str:
-    """Return, as text, why no command that is sent to `topic`, the name of a topic or action, arrives."""
+    """Return a message that states why commands to `topic`, a command topic or action, do not arrive."""
     for stream in topics.streams:
         if stream.name == topic:
             return _no_server(stream, link)
@@ -112,7 +112,7 @@ def _no_server(stream: GoalStream, link: Link) -> str:
 
 
 def silence(sensor: TopicSensor, link: Link) -> str:
-    """Return, as text, why the topic of a sensor gives no readings."""
+    """Return a message that states why no valid readings arrive on the topic of a sensor."""
     topic, kind = sensor.source.topic, sensor.KIND
     if sensor.rejected:
         return f"{sensor.name}: {sensor.rejected} messages were no good; of the last one, {sensor.doubt}"

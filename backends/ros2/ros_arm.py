@@ -21,7 +21,10 @@ from .wrench_topic import WrenchTopic
 
 
 class RosArm(CommandedArm, ForceArm):
-    """Joints whose controllers follow a new point each period, and hold the last one."""
+    """Arm whose joint controllers are commanded over ROS.
+
+    In each period they receive a new position if the command has changed; they hold the last one.
+    """
 
     STATE: ClassVar[Kinds] = {"_command": FloatArray, "_sent": FloatArray}
 
@@ -47,13 +50,13 @@ class RosArm(CommandedArm, ForceArm):
         self._command = self._sent = np.zeros(len(names))
 
     def begin(self) -> None:
-        """Take the measured joints as the command, before anything is sent.
+        """Set the commanded joints to the measured ones, before anything is sent.
 
-        A joint that rests at its limit is often read slightly beyond it: it is set to the limit if that is no
-        further than its motion in one period.
+        A joint that rests at its limit is often read slightly beyond it. Its command is then the limit, if
+        the joint can reach the limit in one control period.
 
         Raises:
-            NotOnTheAir: a joint is read farther beyond its limits.
+            NotOnTheAir: a measured joint is further beyond its limits.
         """
         measured = self.joints()
         within = self._model.clipped(measured)
@@ -80,7 +83,7 @@ class RosArm(CommandedArm, ForceArm):
         return force_by_efforts(self._model, self.joints(), efforts, np.isfinite(efforts))
 
     def taken(self) -> FloatArray | None:
-        """Return the joints (n,) to be sent in this period, in [rad] or [m]; None if they are held."""
+        """Return the joints (n,) to send in this period, in [rad] or [m]; None for an unchanged command."""
         if np.array_equal(self._command, self._sent):
             return None
         self._sent = self._command.copy()

@@ -33,18 +33,19 @@ MASTERS_PERIOD_S = 1.0
 class RosBackend(Backend):
     """Backend whose commands and readings are topics, as in the section `ros2` of the robot's file.
 
-    The constructor waits for the first message of each topic; nothing is sent before all are there and fit
-    the file. A step sends the commands, waits for the end of the period, and reads what has arrived. A
-    fault (a late loop, odometry that jumps, a second node that commands the base, controllers that are
-    gone) stops the base and ends the step with a `RosFault`; every further step raises the same one. A
-    topic that falls silent raises a `StaleSensor` where its reading is needed; that of the odometry and of
-    the joints stops the robot at once.
+    The constructor waits for the first message of each topic; nothing is sent before all topics exist and
+    match the file. A step sends the commands, waits for the end of the period, and reads what has arrived. A
+    fault (a late loop, odometry that jumps, a second node that commands the base, controllers that are gone)
+    stops the base and ends the step with a `RosFault`; every further step raises the same error. If a topic
+    falls silent, an access to its reading raises `StaleSensor`; if it is that of the odometry or the joints,
+    the robot is stopped at once.
 
-    On a bench (`build_on_bench`) drivers are simulated in this process, in front of a simulated backend, and
-    messages are handed over without rclpy: a period passes with each step, no clock is read, and the same
-    seed gives the same run. Sensors without a topic are that backend's.
+    On a bench (`build_on_bench`) the drivers are simulated in this process, they move the robot of a
+    simulated backend, and messages are passed on without rclpy: each step advances the simulation by one
+    period, no clock is read, and the same seed gives the same run. Sensors without a topic are those of the
+    simulated backend.
 
-    When this program dies, the robot's own time-out of its speeds has to stop it: no program can.
+    If this program dies, only the robot's own time-out for speed commands can stop it.
     """
 
     name = "ros2"
@@ -154,8 +155,8 @@ class RosBackend(Backend):
         """Send the commands, wait for the end of the period, and read what has arrived.
 
         Raises:
-            RosFault: now or in an earlier step.
-            StaleSensor: the odometry or the joints are silent.
+            RosFault: a fault was found, in this step or an earlier one.
+            StaleSensor: no new messages of the odometry or the joints arrive.
         """
         self._pass_period(send=True)
 
@@ -186,8 +187,9 @@ class RosBackend(Backend):
             raise
 
     def watch(self) -> None:
-        """Let a period pass and read what has arrived, without sending anything: bring-up measures so
-        whether the base stops by itself.
+        """Wait for one period and read what has arrived, without sending anything.
+
+        `handcart bringup` uses it to test whether the base stops by itself.
 
         Raises:
             RosFault: see `step`.

@@ -18,9 +18,9 @@ from .wire.topic_sensor import TopicSensor
 
 
 class OdometryTopic(TopicSensor):
-    """Travel of the wheels by the poses of `nav_msgs/Odometry`.
+    """Receiver of `nav_msgs/Odometry`, which converts the poses in the messages to travel of the wheels.
 
-    Only their differences count: where the odometry began does not matter.
+    Only differences of poses are used, so the start of the odometry does not matter.
     """
 
     KIND = "nav_msgs/Odometry"
@@ -31,15 +31,18 @@ class OdometryTopic(TopicSensor):
     """Distance by which the odometry jumped, as text; "" if it did not."""
 
     def fit(self, drive: Drive, limits: RosOdometrySpec = RosOdometrySpec()) -> None:
-        """Set the drive, for which motion becomes wheel travel, and the limits of a jump, before the first
-        message.
+        """Set the parameters, before the first message.
+
+        Args:
+            drive: drive of the robot, to convert motion to wheel travel.
+            limits: limits of the motion between two messages, beyond which it is a jump.
         """
         self._drive, self._limits = drive, limits
         self._last: tuple[float, Pose2] | None = None
 
     @property
     def pose(self) -> Pose2 | None:
-        """Return the last 2D pose of the base in the frame of the odometry; None before the first message."""
+        """Last 2D pose of the base in the odometry frame; None before the first message."""
         return None if self._last is None else self._last[1]
 
     @override
@@ -108,7 +111,7 @@ class _TopicWheels:
 
 
 class RosBase(_TopicWheels, Base):
-    """A base that obeys a speed and a turn rate."""
+    """Base that is commanded over ROS by a forward speed and a turn rate."""
 
     @override
     def drive(self, speed: float, turn_rate: float) -> None:
@@ -116,7 +119,7 @@ class RosBase(_TopicWheels, Base):
 
 
 class RosHolonomicBase(_TopicWheels, HolonomicBase):
-    """A base that obeys speeds forward and sideways, and a turn rate."""
+    """Base that is commanded over ROS by a forward and a sideways speed, and a turn rate."""
 
     @override
     def drive(self, speed: float, turn_rate: float, sideways: float = 0.0) -> None:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def ros_findings(robot: RobotFile, document: Document) -> list[Finding]:
-    """Return the findings of the section `ros2`, each at its place in the robot's file."""
+    """Return the faults of a robot's section `ros2`, each at its place in the robot's file."""
     if robot.ros2 is None:
         return []
     return [

@@ -20,7 +20,11 @@ UNKNOWN_COVARIANCE = 0
 
 
 class RosGps(TopicSensor, Gps):
-    """Fixes in a plane at the task's origin; a fix counts in the period in which it arrived."""
+    """Satellite receiver whose fixes are received from a ROS topic.
+
+    Positions are converted to a plane at the task's origin. A fix is returned only in the period in which it
+    arrived.
+    """
 
     KIND = "sensor_msgs/NavSatFix"
 

@@ -18,9 +18,9 @@ from .joint_states import JointStates
 
 
 class RosGripper(CommandedGripper):
-    """Fingers whose controller moves them to a position, and presses on what is between them.
+    """Gripper whose fingers are commanded over ROS; their controller presses on an object between them.
 
-    Pressing is seen by fingers at rest that are wider open than commanded, or closed upon each other.
+    The fingers are regarded as pressing if they rest wider open than commanded, or closed on each other.
     """
 
     STATE: ClassVar[Kinds] = {"_command": float, "_sent": float, "_width": float, "_still_s": float}
@@ -52,12 +52,12 @@ class RosGripper(CommandedGripper):
         self._still_s = 0.0
 
     def begin(self) -> None:
-        """Take the measured width as the command, before anything is sent."""
+        """Set the commanded width to the measured one, before anything is sent."""
         self._width = self._measured()
         self._command = self._sent = min(self._width, self._spec.opening_mm / 1e3)
 
     def advance(self) -> None:
-        """Read the width of this period."""
+        """Update the measured width, and the time for which the fingers have been at rest."""
         now = self._measured()
         moving = abs(now - self._width) > self._rest_speed * self._period
         self._still_s = 0.0 if moving else self._still_s + self._period
@@ -79,8 +79,9 @@ class RosGripper(CommandedGripper):
             self._command = min(self._width, self._spec.opening_mm / 1e3)
 
     def taken(self) -> list[float] | None:
-        """Return the position of each finger's joint to be sent in this period, in [rad] or [m]; None if the
-        fingers hold.
+        """Return the position of each finger's joint to send in this period, in [rad] or [m].
+
+        None if the commanded width has not changed.
         """
         if self._command == self._sent:
             return None
@@ -88,7 +89,7 @@ class RosGripper(CommandedGripper):
         return [self.position(self._sent)] * len(self._names)
 
     def seconds(self) -> float:
-        """Return the time in [s] that the fingers need for their way, at least a period."""
+        """Return the time in [s] that the fingers need to the last sent width, at least one period."""
         way = abs(self._sent - self._width)
         return max(self._period, way / (self._spec.speed_mm_s / 1e3))
 

@@ -15,20 +15,31 @@ from .wire.topic_sensor import TopicSensor
 
 
 class RosImu(TopicSensor, Imu):
-    """Mean rates and accelerations of a period; the axes of the unit are those of the base."""
+    """IMU whose readings are received from a ROS topic; its axes are those of the base.
+
+    The readings of a control period are averaged.
+    """
 
     KIND = "sensor_msgs/Imu"
 
     @override
     def rates(self) -> FloatArray:
-        """Return the mean turn rates (3,) about the base's axes, in [rad/s]; raises `StaleSensor`."""
+        """Return the mean turn rates (3,) about the base's axes, in [rad/s].
+
+        Raises:
+            StaleSensor: the last message is too old.
+        """
         self.check_fresh()
         rates: FloatArray = self._mean[:3].copy()
         return rates
 
     @override
     def accelerations(self) -> FloatArray:
-        """Return the mean accelerations (3,) along the base's axes, in [m/s²]; raises `StaleSensor`."""
+        """Return the mean accelerations (3,) along the base's axes, in [m/s²]; +9.81 along z at rest.
+
+        Raises:
+            StaleSensor: the last message is too old.
+        """
         self.check_fresh()
         accelerations: FloatArray = self._mean[3:].copy()
         return accelerations

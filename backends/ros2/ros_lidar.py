@@ -20,7 +20,7 @@ MAX_ANGLE_DIFFERENCE_DEG = 0.5
 
 
 class RosLidar(TopicSensor, RangeSensor):
-    """Lidar that returns scans as the driver sends them; a scan that counts clockwise is reversed."""
+    """Lidar whose raw scans are received from a ROS topic; scans with clockwise angles are reversed."""
 
     KIND = "sensor_msgs/LaserScan"
 

@@ -55,7 +55,7 @@ SensorT = TypeVar("SensorT", bound=TopicSensor)
 
 
 class RosTopics:
-    """Parts that a robot has by its file, each with its topic."""
+    """Capabilities of a robot with ROS drivers, with the topics and actions that the robot's file names."""
 
     def __init__(self, robot: RobotFile, spec: RosSpec, link: Link) -> None:
         """Subscribe to all readings, and announce all commands.
@@ -88,13 +88,13 @@ class RosTopics:
         return (*actuators, *self._sensors)
 
     def begin(self) -> None:
-        """Take measured joints and width as the commands, once each topic has had its first message."""
+        """Set the commands of arm and gripper to the measured values, after each topic's first message."""
         for item in (self.arm, self.gripper):
             if item is not None:
                 item.begin()
 
     def advance(self) -> None:
-        """Read what has arrived in a period."""
+        """Process the messages that have arrived in a period."""
         for sensor in self.sensors:
             sensor.advance()
         for stream in self.streams:
@@ -104,18 +104,18 @@ class RosTopics:
             self.gripper.advance()
 
     def state(self) -> dict[str, object]:
-        """Return the part of commands and readings that the next messages do not deliver."""
+        """Return the commands and readings that cannot be restored from the next messages, as plain data."""
         return {name: attributes(part, part.STATE) for name, part in self._kept().items()}
 
     def set_state(self, state: object, receive: Callable[[], None]) -> None:
-        """Restore what `state` returned.
+        """Restore a state that `state` returned.
 
         Args:
             state: result of `state`.
-            receive: delivers the messages of the time to which it belongs.
+            receive: function that delivers the messages of the time of that state.
 
         Raises:
-            NotAState: it belongs to another robot.
+            NotAState: the state belongs to another robot.
         """
         kept = self._kept()
         if not isinstance(state, dict) or state.keys() != kept.keys():
@@ -127,7 +127,7 @@ class RosTopics:
             set_attributes(part, part.STATE, state[name])
 
     def forget(self) -> None:
-        """Discard all messages, those that wait to be received included, and all goals that were sent."""
+        """Discard all received and all waiting messages, and stop monitoring the goals that were sent."""
         self._link.receive()
         for sensor in self.sensors:
             sensor.forget()
@@ -148,11 +148,15 @@ class RosTopics:
                 item.halt()
 
     def stop_base(self) -> None:
-        """Publish a speed of zero now, between two periods."""
+        """Publish zero speed to the base at once, without waiting for the next period."""
         self._drive(velocity_message(self._link, self._spec.velocity, DriveCommand()))
 
     def send(self) -> None:
-        """Publish the commands of a period; the base's always, so that it hears that we are there."""
+        """Publish the commands of a period.
+
+        The base's command is always sent, because without new commands the base stops after a time-out; other
+        commands are sent only if they have changed.
+        """
         self._drive(velocity_message(self._link, self._spec.velocity, self.base.taken()))
         joints = None if self.arm is None else self.arm.taken()
         if joints is not None and self._robot.arm is not None:
@@ -280,14 +284,14 @@ class RosTopics:
 
 
 def check_joints(robot: RobotFile, spec: RosSpec) -> None:
-    """Raise `UnknownJoints` unless each joint of the arm, and no other one, has one controller."""
+    """Raise `UnknownJoints` if a joint of the arm does not have one controller, or another joint has one."""
     wrong = [": ".join(["ros2", *map(str, key[:1]), words]) for key, words, _ in ros_faults(robot, spec)]
     if wrong:
         raise UnknownJoints(wrong)
 
 
 def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:
-    """Return the capabilities that a robot has by ROS, by its file alone."""
+    """Return the classes of a robot's capabilities over ROS, by the robot's file alone."""
     there: dict[type[Capability], object] = {
         HolonomicBase if robot.drive.kind == "holonomic" else Base: robot.drive,
         ForceArm: robot.arm,

@@ -14,7 +14,10 @@ from .wire.topic_sensor import TopicSensor
 
 
 class WrenchTopic(TopicSensor):
-    """Force of the surroundings on the hand, without the hand's weight; the mean of a period's messages."""
+    """Force of the surroundings on the hand, from a ROS topic; the driver has to subtract the hand's weight.
+
+    The messages of a control period are averaged.
+    """
 
     KIND = "geometry_msgs/WrenchStamped"
 

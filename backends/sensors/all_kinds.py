@@ -19,12 +19,12 @@ ACTUATOR_CAPABILITIES: tuple[type[Capability], ...] = (Base, Arm, Gripper)
 
 @cache
 def all_capabilities() -> tuple[type[Capability], ...]:
-    """Return the kinds of actuators, then those of sensors. The conformance kit tries each of them."""
+    """Return all classes of capabilities, which the conformance kit tests: actuators, then sensors."""
     return (*ACTUATOR_CAPABILITIES, *sensor_capabilities())
 
 
 def is_declared(kind: type[Capability], robot: RobotFile) -> bool:
-    """Return whether a robot's file says that the robot has a capability of that kind."""
+    """Return True if, by its file, a robot has a capability of the class `kind`."""
     if kind in ACTUATOR_CAPABILITIES:
         return kind.FILE_KEY is None or getattr(robot, kind.FILE_KEY) is not None
     return any(capability_of(spec.kind) is kind for spec in robot.sensors.values())

@@ -15,7 +15,7 @@ NotNegative = Annotated[float, Field(ge=0.0)]
 
 
 class ChargerSpec(FileModel):
-    """A charger that charges the battery while the base is on it."""
+    """A charger that charges the battery while the base is close to it."""
 
     x_m: float
     y_m: float
@@ -27,7 +27,7 @@ class ChargerSpec(FileModel):
 
 
 class BatterySpec(SensorSpec):
-    """A battery whose charge is read, and the loads that discharge it in a simulation."""
+    """Capacity of a battery, noise of its charge reading, and its loads in a simulation."""
 
     kind: Literal["battery"] = "battery"
 

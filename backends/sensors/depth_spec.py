@@ -21,8 +21,9 @@ Side = Annotated[int, Field(ge=8, le=4096)]
 class DepthErrors(FileModel):
     """Errors of a depth camera. The defaults are those of a camera with structured light.
 
-    Sigma of a depth z: `sigma_mm` + `sigma_mm_per_m2` (z - `sigma_from_m`)^2, as Nguyen, Izadi and Lovell,
-    "Modeling Kinect sensor noise for improved 3D reconstruction and tracking" (2012), eq. 3, measured.
+    The sigma of a depth z is `sigma_mm` + `sigma_mm_per_m2` (z - `sigma_from_m`)^2, as measured by Nguyen,
+    Izadi and Lovell, "Modeling Kinect sensor noise for improved 3D reconstruction and tracking" (2012), eq.
+    3.
     """
 
     sigma_mm: NotNegative = 1.2
@@ -55,7 +56,10 @@ class DepthErrors(FileModel):
 
 
 class DepthCameraSpec(MountedSensorSpec):
-    """A colour and depth camera, both pictures rectified and from one place; the frame is the optical one."""
+    """Description of a depth camera. Its colour and depth pictures are rectified and have the same viewpoint.
+
+    The camera's frame in the URDF is the optical frame (z forward, x right, y down).
+    """
 
     CARRIER: ClassVar[Carrier | None] = "any"
     kind: Literal["depth_camera"] = "depth_camera"
@@ -81,7 +85,7 @@ class DepthCameraSpec(MountedSensorSpec):
 
     @property
     def model(self) -> CameraModel:
-        """Pinhole camera of both pictures, its axis through their middle."""
+        """Pinhole model of the colour and depth pictures, with the optical axis in their middle."""
         centre = (self.width_px - 1) / 2, (self.height_px - 1) / 2
         K = np.array([[self.focal_px, 0.0, centre[0]], [0.0, self.focal_px, centre[1]], [0.0, 0.0, 1.0]])
         return CameraModel(K, np.zeros(5), self.width_px, self.height_px)

@@ -23,9 +23,10 @@ SHIPPED_KINDS = ("lidar", "camera", "positioning", "imu", "gps", "beacons", "dep
 
 @dataclass(frozen=True, eq=False)
 class SensorKind:
-    """All parts of a kind of sensor, each by the import path "module:name".
+    """Name of a kind of sensor, such as lidar, and the classes that implement it.
 
-    Another package names its kind in an entry point of the group `handcart.sensors`.
+    Classes are given by import paths "module:name". Another package declares its kind in an entry point of
+    the group `handcart.sensors`.
     """
 
     name: str
@@ -47,10 +48,11 @@ class SensorKind:
 
 
 def sensor_kinds() -> Mapping[str, SensorKind]:
-    """Return all kinds by name: the shipped ones first, then those of other packages by their names.
+    """Return all kinds of sensors by name: the shipped kinds first, then those of other packages.
 
     Raises:
-        BrokenPlugin: a kind of another package cannot be imported, is not a `SensorKind`, or shares a name.
+        BrokenPlugin: a kind of another package cannot be imported, is not a `SensorKind`, or has the name of
+            another kind.
     """
     return {
         name: sensor_kind(name)
@@ -60,11 +62,12 @@ def sensor_kinds() -> Mapping[str, SensorKind]:
 
 @cache
 def sensor_kind(name: str) -> SensorKind:
-    """Return the kind with a name; other kinds of other packages may be broken.
+    """Return the kind of sensor with a name, without importing other kinds.
 
     Raises:
-        KeyError: the kind is unknown.
-        BrokenPlugin: as `sensor_kinds`.
+        KeyError: no kind has this name.
+        BrokenPlugin: the kind, of another package, cannot be imported, is not a `SensorKind`, or has the name
+            of another kind.
     """
     points = [point for point in entry_points_of(ENTRY_POINT_GROUP) if point.name == name]
     if name in SHIPPED_KINDS and not points:
@@ -91,20 +94,21 @@ def _loaded(point: EntryPoint, what: str) -> SensorKind:
 
 
 def imported(path: str) -> Any:
-    """Return the object at an import path "module:name" of a kind.
+    """Import the object at a path "module:name" that a kind of sensor declares.
 
     Raises:
-        BrokenPlugin: it cannot be imported.
+        BrokenPlugin: the object cannot be imported.
     """
     return import_plugin(path, "a part of a kind of sensor")
 
 
 @cache
 def sensor_specs() -> Mapping[str, type[SensorSpec]]:
-    """Return the class of the section of each kind, by its name.
+    """Return the class that describes a sensor in a robot's file, for each kind of sensor by name.
 
     Raises:
-        BrokenPlugin: a kind of another package is broken, or the default of its key `kind` is another name.
+        BrokenPlugin: a kind of another package cannot be imported, or the default of its key `kind` is not
+            the kind's name.
     """
     found = {name: imported(kind.spec) for name, kind in sensor_kinds().items()}
     for name, spec in found.items():
@@ -116,11 +120,11 @@ def sensor_specs() -> Mapping[str, type[SensorSpec]]:
 
 @cache
 def capability_of(kind: str) -> type[Capability]:
-    """Return the class of the readings of a kind of sensor."""
+    """Return the capability (class) by which sensors of a kind are read."""
     found: type[Capability] = imported(sensor_kind(kind).capability)
     return found
 
 
 def sensor_capabilities() -> tuple[type[Capability], ...]:
-    """Return the capabilities of all kinds of sensors."""
+    """Return the capabilities (classes) by which sensors of all kinds are read."""
     return tuple(dict.fromkeys(capability_of(name) for name in sensor_kinds()))

@@ -8,7 +8,7 @@ from handcart.tasks import domain
 
 
 class Bodies:
-    """Classes of bodies in physics, by the class of the represented thing or props."""
+    """Table of the classes that represent things and props of all domains in a physics engine."""
 
     def __init__(self) -> None:
         """Collect the classes that all domains declare."""
@@ -18,11 +18,11 @@ class Bodies:
                 self._by_class |= domain.imported(domain_.physics)
 
     def of(self, what: object, default: Any) -> Any:
-        """Return the class in physics that represents an object.
+        """Return the class that represents an object in a physics engine.
 
         Args:
-            what: a thing or props; a class that represents one of its base classes counts, too.
-            default: returned if no class represents it.
+            what: a thing or props; a class for one of its base classes is used if it has none of its own.
+            default: result if no class represents the object.
         """
         found = (self._by_class[kind] for kind in type(what).__mro__ if kind in self._by_class)
         return next(found, default)

@@ -22,7 +22,7 @@ Act = Callable[["Bench", DriveNode], None]
 
 
 class Bench:
-    """Simulated drives of all axes of a robot. One period of drives and robot passes with each SYNC."""
+    """Simulated drives of all axes of a robot. Each SYNC advances drives and robot by one control period."""
 
     def __init__(
         self, robot: RobotFile, spec: CanSpec, inner: Backend | None, bus: can.BusABC | None = None

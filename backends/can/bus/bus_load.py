@@ -54,7 +54,7 @@ class BusLoad:
 
     @classmethod
     def of(cls, frames: Iterable[CyclicFrame], bitrate: int) -> BusLoad:
-        """Return the load of frames on a bus of that bit rate, in [bit/s]."""
+        """Return the load of cyclic frames on a bus with a `bitrate` in [bit/s]."""
         return cls(tuple(sorted(frames, key=lambda frame: frame.cob_id)), bitrate)
 
     def share_of(self, frame: CyclicFrame) -> float:

@@ -63,7 +63,7 @@ class NoInterface(InputError):
 
 
 class ChannelTaken(InputError):
-    """Error: another robot or bench uses the channel; its commands would reach our drives, and ours its."""
+    """Error: another robot or bench uses the channel, so that each would receive the other's commands."""
 
     def __init__(self, interface: str, channel: str, by: str, hint: str) -> None:
         super().__init__(f"{interface} {channel} is in use by {by}; {hint}")

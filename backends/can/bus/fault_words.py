@@ -29,8 +29,9 @@ _WORDS = {
 
 
 def fault_words(code: int) -> str:
-    """Return an error code (603Fh, or of an EMCY) in words, such as "error 8611h, following error"; "" for
-    none.
+    """Return an error code (603Fh, or of an EMCY) in words, such as "error 8611h, following error".
+
+    "" for the code 0, which means no error.
     """
     if code == 0:
         return ""

@@ -16,7 +16,7 @@ _UNDER_WAY = 4096  # own frames that are waited for at most
 
 
 class EchoFreeBus(can.BusABC):
-    """Bus that drops the echoes of its own frames: python-can's `udp_multicast` can't switch them off."""
+    """Bus that drops the echoes of its own frames, which python-can's `udp_multicast` always delivers."""
 
     def __init__(self, bus: can.BusABC) -> None:
         """Take over an open bus, which `shutdown` closes."""
@@ -66,7 +66,7 @@ def open_interface(interface: str, channel: str, bitrate: int) -> can.BusABC:
     """Open an interface of python-can; the bit rate is in [bit/s].
 
     Raises:
-        NoInterface: it is missing, down, or of another bit rate.
+        NoInterface: the interface is missing, down, or has another bit rate.
     """
     options: dict[str, Any] = {} if interface == UDP_MULTICAST else {"bitrate": bitrate}
     try:

@@ -138,7 +138,7 @@ class Axis(canopen.RemoteNode):
             self._object(index, subindex).raw = value
 
     def order(self, controlword: int) -> None:
-        """Write a controlword by SDO, and don't wait for the answer; raises `can.CanError`."""
+        """Write a controlword by SDO without waiting for the answer; raise `can.CanError` if not sent."""
         self.network.send_message(
             0x600 + self.spec.node, struct.pack("<BHBHH", _WRITE_WORD, 0x6040, 0, controlword, 0)
         )

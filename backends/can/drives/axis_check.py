@@ -28,7 +28,7 @@ _LATE_PERIODS = 2.0  # that a command may take to act
 
 
 class AxisCheck:
-    """Check of one axis after each SYNC: that it answers, is enabled, and moves as commanded."""
+    """Monitor that checks after each SYNC that an axis' drive answers, is enabled, and moves as commanded."""
 
     def __init__(self, axis: Axis) -> None:
         """Begin with a drive that has just been enabled."""

@@ -35,7 +35,7 @@ class AxisUnits:
         return abs(self.rate(value))
 
     def speed(self, counts: float) -> float:
-        """Return the speed [m/s] or [rad/s] of counts/s."""
+        """Return a speed, given in [counts/s], in [m/s] or [rad/s]."""
         return counts / self.scale
 
 

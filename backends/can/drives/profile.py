@@ -30,7 +30,7 @@ def approach(
     """Return the motion with a trapezoidal velocity profile to a point, from any initial velocity.
 
     Args:
-        way: position of the point less that of the axis, in [m] or [rad].
+        way: position of the point minus position of the axis, in [m] or [rad].
         velocity: velocity at first, in [m/s] or [rad/s].
         top: largest speed, in [m/s] or [rad/s].
         rates: acceleration and deceleration, in [m/s²] or [rad/s²].

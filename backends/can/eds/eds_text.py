@@ -69,7 +69,10 @@ def decoded(content: bytes) -> str:
 
 
 def as_the_library_spells(text: str) -> str:
-    """Return a file's text with known sections, keys and numbers in the library's spelling, line by line."""
+    """Return an EDS file's text with sections, keys and numbers in the spelling that `canopen` reads.
+
+    The number of lines does not change.
+    """
     lines = re.split(r"\r\n|\r|\n", text.rstrip(_END_OF_FILE))
     types = _data_types(lines)
     section, result = "", list[str]()

@@ -9,7 +9,7 @@ from handcart.backends.description.can_spec import AxisSpec, Without
 
 
 class Lack(NamedTuple):
-    """A feature that some drives lack: its objects, and the consequence of using a drive without it."""
+    """A feature that some drives lack, with its objects and the consequence of using a drive without it."""
 
     objects: tuple[int, ...]
     what: str

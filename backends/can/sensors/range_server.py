@@ -23,8 +23,10 @@ class RangeServer:
         self._heard: list[socket.socket] = []
 
     def send(self, time: float) -> None:
-        """Send this period's scan; `time` [s] is the sensor's. Never waits: clients that don't read are
-        disconnected.
+        """Send this period's scan without waiting; clients that do not read are disconnected.
+
+        Args:
+            time: time of the sensor's clock, in [s].
         """
         with contextlib.suppress(BlockingIOError):  # no client is connecting
             caller, _ = self._listening.accept()

@@ -9,11 +9,12 @@ _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 
 def strict_number(text: str) -> float:
-    """Read a finite decimal number; Python's `float` also accepts `1_0`, ` 7`, `nan` and digits of other
-    scripts.
+    """Parse a finite decimal number, more strictly than `float`.
+
+    Python's `float` also accepts `1_0`, ` 7`, `nan` and digits of other scripts.
 
     Raises:
-        ValueError: the text is not such a number.
+        ValueError: the text is not a finite decimal number in ASCII digits.
     """
     if not _NUMBER.fullmatch(text):
         raise ValueError(f"{text!r} is no number")

@@ -44,7 +44,7 @@ class CyclicPosition(DriveMode):
 
 
 class CyclicVelocity(DriveMode):
-    """CiA 402 mode 9 (CSV) of a simulated drive: it runs at the target velocity (60FFh) of the last SYNC."""
+    """CiA 402 mode 9 (CSV) of a simulated drive, which runs at the last SYNC's target velocity (60FFh)."""
 
     @override
     def begin(self) -> None:

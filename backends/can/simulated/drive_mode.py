@@ -40,7 +40,7 @@ class Demand:
 
 
 class DriveMode(ABC):
-    """A mode of operation (6060h) of a simulated drive."""
+    """Base class of a simulated drive's modes of operation (6060h), which plan the motor's set-points."""
 
     def __init__(self, objects: DriveObjects, demand: Demand) -> None:
         self.objects, self.demand = objects, demand
@@ -54,7 +54,7 @@ class DriveMode(ABC):
 
         Args:
             controlword: the received word.
-            rising: its bits that were not set in the word before.
+            rising: bits of `controlword` that were not set in the word before.
         """
         return
 

@@ -41,7 +41,7 @@ HEARTBEAT_LOST, RPDO_LATE, FOLLOWING = 0x8130, 0x8250, 0x8611
 
 
 class DriveNode(canopen.LocalNode):
-    """A simulated servo drive: state machine, profile and cyclic modes, homing, supervision of bus and motor.
+    """A simulated servo drive with state machine, motion modes, homing, and supervision of bus and motor.
 
     The drive reads no clock: `advance` advances its time, and a SYNC consists of `latch` and `answer`.
     `driven` is the set-point of the motor; `moved` sets the position that the motor reached (see `Plant`).

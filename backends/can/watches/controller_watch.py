@@ -18,7 +18,7 @@ _WARNED_FOR = 1.0  # [s] for which a warning is waited out
 
 
 class ControllerWatch(Watch):
-    """Watch for faults of the CAN controller: bus-off, error-passive, or the error state warning for 1 s."""
+    """Detector of a CAN controller that is bus-off or error-passive, or in the state warning for 1 s."""
 
     def __init__(self, state: Callable[[], can.BusState]) -> None:
         """Watch a CAN controller, whose state `state` returns; it is called once a period."""

@@ -18,9 +18,7 @@ _NODES = 0x7F
 
 
 class EmergencyWatch(Watch):
-    """Watch for EMCY messages (CiA 301) of all nodes on the bus, except codes that the robot's file
-    allows.
-    """
+    """Detector of EMCY messages (CiA 301) of any node, except error codes that the robot's file allows."""
 
     def __init__(self, names: Mapping[int, str], allowed: Collection[int]) -> None:
         """Watch a bus; `names` are those of known nodes by node ID, `allowed` are ignored error codes."""

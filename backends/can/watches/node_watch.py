@@ -19,7 +19,7 @@ _NODES = 0x7F
 
 
 class NodeWatch(Watch):
-    """Watch for missing heartbeats, boot-up messages, and two nodes with one node ID."""
+    """Detector of missing heartbeats, of boot-up messages, and of two nodes with the same node ID."""
 
     def __init__(self, names: Mapping[int, str], allowed: float) -> None:
         """Watch nodes.

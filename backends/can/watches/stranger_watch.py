@@ -17,9 +17,9 @@ _HEARTBEAT = 0x700
 
 
 class StrangerWatch(Watch):
-    """Watch for frames that only a master sends, and that this program has not sent.
+    """Detector of a second master, by frames that only a master sends but this program has not sent.
 
-    CAN frames name no sender: a stranger's frame is detected after it has reached the drives.
+    CAN frames do not contain their sender, so that a frame is detected only after it has reached the drives.
     """
 
     def __init__(self, nodes: Iterable[int], our_node: int) -> None:

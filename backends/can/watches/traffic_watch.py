@@ -21,7 +21,7 @@ _STUFFABLE = 34
 
 
 class TrafficWatch(Watch):
-    """Watch for too much load on the bus, and for frames that CANopen nodes never send."""
+    """Detector of too much load on the bus, and of frames that CANopen nodes never send."""
 
     def __init__(
         self, bitrate: int, malformed: Callable[[], int], last_malformed: Callable[[], str] = str

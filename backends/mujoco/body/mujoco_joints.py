@@ -63,7 +63,7 @@ class MujocoJoints(JointGroup):
         """Follow set-points compliantly, like springs, and limit the speed at which a deviation is reduced.
 
         Args:
-            off: (n,) set-points less current joints, in [rad] or [m].
+            off: (n,) set-points minus present joints, in [rad] or [m].
             rates: (n,) rates of the set-points, in [rad/s] or [m/s].
             effort: (n,) maximum effort of the drives, in [Nm] or [N].
             fastest: (n,) maximum speeds at which a deviation is reduced, in [rad/s] or [m/s].

@@ -20,7 +20,7 @@ CATCHES_UP_S = 0.005
 
 
 class MujocoPlanarDrive(PlanarDrive):
-    """Drive of a base in the plane, without wheels: three velocity servos of MuJoCo push the base.
+    """Drive without wheels, in which three velocity servos of MuJoCo push the base in the plane.
 
     They act ahead, to the left, and about the vertical.
     """

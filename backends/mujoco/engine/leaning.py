@@ -14,7 +14,7 @@ _NO_ISLAND = -2
 
 
 class Leaning:
-    """Exceptions from MuJoCo's sleeping of resting bodies: the robot, and things that lean on it.
+    """Exceptions from MuJoCo's sleeping of resting bodies, for the robot and things that lean on it.
 
     MuJoCo does not simulate bodies that sleep. A sleeping thing that leans on the robot would not fall when
     the robot drives away, so it is kept awake; other things sleep when they come to rest.

@@ -36,7 +36,7 @@ TOUCH_CHECKS_PER_PERIOD = 4  # times at a period's end that what touches is look
 
 
 class MujocoEngine(Engine):
-    """Physics engine MuJoCo: a world's bodies and a robot, with model and data. Bodies are numbered from 0.
+    """Physics engine MuJoCo with a world's bodies, numbered from 0, and a robot.
 
     The drives are MuJoCo's: Python commands them once a period, and reads contacts and slip in between.
     """
@@ -121,7 +121,7 @@ class MujocoEngine(Engine):
         return self._grown.links()
 
     def displaced(self) -> None:
-        """Note that coordinates have changed, so that poses are computed again when they are read."""
+        """Mark all poses as outdated after a change of coordinates; the next call of `links` updates them."""
         self._grown.displaced()
 
     def parts(self) -> Sequence[int]:
@@ -203,7 +203,7 @@ class MujocoEngine(Engine):
         spec.mass, spec.inertia = mass, inertia
 
     def pose(self, body: int) -> Transform:
-        """Return world_T_body (4, 4) of a thing's middle of mass."""
+        """Return the pose world_T_body (4, 4) of a thing, whose frame is at its centre of mass."""
         index, data = self.thing_at(body).body, self.links()
         result = np.zeros((4, 4))
         result[:3, :3], result[:3, 3], result[3, 3] = data.xmat[index].reshape(3, 3), data.xpos[index], 1.0

@@ -25,7 +25,8 @@ class Pressing:
         self._found: dict[int, frozenset[Touching]] = {}
 
     def touching(self, data: Any, body: int) -> frozenset[Touching]:
-        """Return which links and bodies a body touches with a force.
+        """Return the pairs of touching links, one of the body and one of another body, between which a force
+        acts.
 
         If nothing has changed, the same object is returned as in the last call.
         """

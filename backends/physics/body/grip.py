@@ -28,8 +28,9 @@ class Grip:
 
     With the grasp `friction` (key `gripper.grasp` of the robot's file) the thing is held like by soft fingers
     (Howe and Cutkosky 1996). The points and the engine's own contacts together carry forces along the pads,
-    and torques about the pads' normal, up to Coulomb's friction; beyond it the thing slips. The engine's
-    contacts carry the share `Engine.CONTACTS_CARRY` of it. With the grasp `constraint` nothing slips.
+    and torques about the pads' normal, up to the limit of Coulomb's friction; beyond it the thing slips. The
+    engine's contacts carry the share `Engine.CONTACTS_CARRY` of this limit. With the grasp `constraint`
+    nothing slips.
     """
 
     def __init__(self, spec: GripperSpec, finger: FingerShape, engine: Engine, body: RobotBody) -> None:

@@ -38,7 +38,7 @@ class JointGroup(ABC):
         """Follow moving set-points until the next command, with limited efforts.
 
         Args:
-            off: (n,) set-points less current joints, in [rad] or [m].
+            off: (n,) set-points minus present joints, in [rad] or [m].
             rates: (n,) rates of the set-points, in [rad/s] or [m/s].
             most: (n,) largest efforts, in [Nm] or [N].
             catches_up: time constant with which `off` decreases, in [s].
@@ -54,7 +54,7 @@ class JointGroup(ABC):
         `FULL_TORQUE_ERROR_RAD`.
 
         Args:
-            off: (n,) set-points less current joints, in [rad] or [m].
+            off: (n,) set-points minus present joints, in [rad] or [m].
             rates: (n,) rates of the set-points, in [rad/s] or [m/s].
             effort: (n,) maximum effort of the drives, in [Nm] or [N].
             fastest: (n,) maximum speeds at which `off` decreases, in [rad/s] or [m/s].

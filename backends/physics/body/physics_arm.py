@@ -24,7 +24,7 @@ MIMIC_STEP_RATIO = 0.1
 
 
 class PhysicsArm(SimulatedArm):
-    """Arm in a physics engine: joints under position control, with gravity compensation of arm and load.
+    """Arm in a physics engine, with position control, and gravity compensation of arm and load.
 
     Between two commands the set-point moves at constant speed. A drive is a velocity servo. Its torque limit
     grows with the distance from the set-point, up to the URDF's effort, so it yields at an obstacle like a

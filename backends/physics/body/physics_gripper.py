@@ -23,7 +23,7 @@ FINGER_STEP_RATIO = 0.3  # of the way to where they belong that the fingers make
 
 
 class PhysicsGripper(SimulatedGripper):
-    """Gripper in a physics engine: two fingers with rubber pads, coupled to one drive by a linkage."""
+    """Gripper in a physics engine, whose two fingers have rubber pads and are coupled to one drive."""
 
     STATE: ClassVar = {**SimulatedGripper.STATE, "_target": float, "_stood": float}
 

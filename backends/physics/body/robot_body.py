@@ -76,8 +76,8 @@ class RobotBody(ABC):
 
     @abstractmethod
     def middle_of_mass(self, link: str) -> Transform:
-        """Return world_T_middle (4, 4), the true pose of a link's middle of mass, with the axes of the
-        engine's inertial frame.
+        """Return the true pose (4, 4) of a link's centre of mass in the world, with the axes of the engine's
+        inertial frame.
         """
 
     @abstractmethod

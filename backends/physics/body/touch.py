@@ -20,8 +20,7 @@ _ACROSS = 0.7  # of a contact's normal; less is a push with the tips
 
 
 class ContactReader:
-    """Reader of a physics engine's contacts: what the robot touches, what it grips, and the force on its
-    hand.
+    """Reader of what the robot touches and grips, and of the force on its hand, in a physics engine.
 
     The hand consists of all links that the arm's last joint moves.
     """

@@ -16,7 +16,7 @@ MAX_LOCK_PLAY = 1e-4  # of a locked joint, in [rad] or [m]
 
 
 class DoorBody(ThingBody):
-    """Body of a door in a physics engine: its front on a hinge or slide, or the handle fixed to the front."""
+    """Front of a door on its hinge or slide, or handle fixed to the front, as a body of a physics engine."""
 
     STICKS: ClassVar[Sticks | None] = None
 

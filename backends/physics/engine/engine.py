@@ -25,7 +25,7 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Pinned:
-    """Two bodies held together at points (n, 3) in [m], in the frames of both bodies' middles of mass."""
+    """Rigid connection of two bodies at points (n, 3), in [m], in frames at both bodies' centres of mass."""
 
     body: int
     link: int
@@ -59,7 +59,7 @@ class ContactPoint(NamedTuple):
 
 
 class Engine(ABC):
-    """Interface of a physics engine: a world of numbered bodies whose motion it computes in steps.
+    """Interface of a physics engine, which computes the motion of a world's numbered bodies in steps.
 
     One of the bodies is the robot, with several links; the others are things, boxes and ground.
     """
@@ -161,7 +161,7 @@ class Engine(ABC):
 
     @abstractmethod
     def pose(self, body: int) -> Transform:
-        """Return world_T_body (4, 4) of a body's middle of mass."""
+        """Return the pose world_T_body (4, 4) of a body's centre of mass."""
 
     def moved(self) -> Collection[int] | None:
         """Return the numbers of the things that may have moved since the last call; None if unknown."""
@@ -169,7 +169,7 @@ class Engine(ABC):
 
     @abstractmethod
     def set_pose(self, body: int, pose: Transform) -> None:
-        """Move a body to a pose world_T_body (4, 4) of its middle of mass, at rest."""
+        """Move a body, at rest, to a pose world_T_body (4, 4) of its centre of mass."""
 
     @abstractmethod
     def pull(self, body: int | None, force: FloatArray) -> None:
@@ -196,7 +196,7 @@ class Engine(ABC):
 
     @abstractmethod
     def touching(self, body: int) -> Collection[Touching]:
-        """Return which links and bodies touch a body; faster than `contacts`, without normals and forces."""
+        """Return the touching pairs of a body as `contacts` does, without points and forces, but faster."""
 
     @abstractmethod
     def contacts(self, body: int) -> Sequence[ContactPoint]:

@@ -30,7 +30,7 @@ def form_mesh(size: Sequence[float], uvs: Sequence[Uvs], is_round: bool) -> Form
     """Return the surface of a thing.
 
     Args:
-        size: (3,) lengths of the box around it along x, y and z, in [m].
+        size: (3,) lengths of the thing's bounding box along x, y and z, in [m].
         uvs: four corners (u, v), 0 to 1, of each face in the picture; faces -x, +x, -y, +y, +z, -z.
         is_round: True for a cylinder along z.
     """

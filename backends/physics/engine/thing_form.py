@@ -100,7 +100,7 @@ class WorldJoint(NamedTuple):
 
 
 class ThingForm(NamedTuple):
-    """Description of a rigid body for a physics engine: initial pose, mass, shapes, friction, appearance."""
+    """Initial pose, mass, shapes, friction and appearance of a rigid body, for a physics engine."""
 
     middle: Transform
     """Pose world_T_middle (4, 4) of its middle, which is its centre of mass."""

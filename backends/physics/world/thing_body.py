@@ -21,7 +21,7 @@ _INSET = 0.002  # of a side's part: not shown at its left and right, where anoth
 
 
 class ThingBody:
-    """Body of a movable thing in a physics engine: a rigid box whose sides are grey or printed.
+    """Body of a movable thing in a physics engine, a rigid box whose sides are grey or printed.
 
     Subclasses, which a domain names in `Domain.physics`, change shape or appearance.
     """

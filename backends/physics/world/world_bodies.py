@@ -33,7 +33,7 @@ _WALL, _FURNITURE, _WOOD = 165, 110, 130
 
 
 class WorldBodies:
-    """All bodies of a world in a physics engine: floor or ground, solids, printed sheets and things.
+    """All bodies of a world in a physics engine (floor or ground, solids, printed sheets and things).
 
     Solids do not move, but some appear or disappear during a run; things are rigid bodies that rest, lean and
     fall.

@@ -85,9 +85,9 @@ class Crowd:
         return points[kept] if kept.sum() > MIN_KEPT_SHARE * len(points) else points
 
     def hides_walls(self, scan: Scan, pose: Pose2, field: LikelihoodField | None, rolled: Pose2) -> bool:
-        """Return True if a base at rest has a scan that does not fit the map because people hide walls.
+        """Return True if people who hide walls explain why the scan of a base at rest does not fit the map.
 
-        The other explanation would be that the base was moved.
+        False if the base was moved, which is the other explanation.
 
         The few walls that are still visible may have other errors on the map, so that matching this scan to
         the map shows a motion that did not happen. The check compares this scan with the scan taken when the

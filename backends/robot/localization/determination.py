@@ -60,7 +60,7 @@ class PoseNeed(NamedTuple):
 
 
 class Undetermined(NamedTuple):
-    """Result of a failed accuracy check: the direction in which a pose is too uncertain, and by how much."""
+    """The direction in which a pose is too uncertain, and by how much, after a failed accuracy check."""
 
     direction: float | None
     """Direction of the position on the map, in [rad] from its x axis, -pi/2 to pi/2; None: the heading."""
@@ -129,13 +129,13 @@ def undetermined(
 def room_left(covariance: FloatArray, need: PoseNeed, shift: FloatArray = NO_SHIFT) -> tuple[float, float]:
     """Return the margin between a need's limits and 3 sigma of a pose; below 0 the need is not met.
 
-    Returns:
-        Margin of the position in its worst direction, in [m], and margin of the heading, in [rad].
-
     Args:
         covariance: (3, 3) covariance of the pose: x and y on the map in [m], heading in [rad].
         need: required accuracy of the pose.
         shift: (2,) or (1 + n, 2) errors of the position on the map, in [m], see `undetermined`.
+
+    Returns:
+        Margin of the position in its worst direction, in [m], and margin of the heading, in [rad].
     """
     axes, limits = need.axes(covariance)
     if shift.any():

@@ -24,9 +24,9 @@ ANY_LIDAR = RangeSpec(beams=3, reach_m=1e6, sigma_mm=10.0)
 
 
 class Lidar(RangeSensor):
-    """Lidar that interprets the raw scans of another lidar by the robot's file.
+    """Wrapper of a backend's lidar that interprets its raw scans by the robot's file.
 
-    In an interpreted scan each beam has a `Validity`. All users except the backend use interpreted scans.
+    In an interpreted scan each beam has a `Validity`. All code except the backends uses interpreted scans.
     """
 
     def __init__(self, sensor: RangeSensor, robot: RobotFile, spec: RangeSpec | None = None) -> None:

@@ -15,7 +15,7 @@ LOOK_AGAIN = 10  # periods at rest between scans that are compared for a moved b
 
 
 class LiftWatch:
-    """Detector of a base that is lifted and set down elsewhere: each scan is compared with the one before."""
+    """Detector of a base that is lifted and set down elsewhere, by comparing each scan with the previous."""
 
     def __init__(self, tread: float) -> None:
         """Begin without scans; `tread` of the wheels in [m]."""

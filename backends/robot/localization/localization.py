@@ -101,7 +101,7 @@ class Localization(ABC):
 
     @property
     def odometry_pose(self) -> Pose2:
-        """Continuous 2D pose of the base: `pose`, or, if that jumps, dead reckoning in another frame."""
+        """Continuous 2D pose of the base (`pose`, or, if that jumps, dead reckoning in another frame)."""
         return self.pose
 
     def set_origin(self) -> None:
@@ -146,7 +146,7 @@ class Localization(ABC):
 
     @property
     def sigma(self) -> tuple[float, float]:
-        """Sigmas by `repeatability`: position [m] in its worst direction, heading [rad]; infinite if lost."""
+        """Sigmas of position in its worst direction [m] and heading [rad] (`repeatability`); inf if lost."""
         return (math.inf, math.inf) if self.lost is not None else worst_sigmas(self.repeatability)
 
     @property
@@ -166,7 +166,7 @@ class Localization(ABC):
 
     @property
     def doubt(self) -> Lost | None:
-        """Reason why `covariance` is too small at the moment; None while it can be relied on."""
+        """Reason why `covariance` cannot be relied on at the moment; None while it can."""
         return self.lost
 
     @property
@@ -230,7 +230,7 @@ class Localization(ABC):
         self.held_base.note_pose(self._is_found)
 
     def look_again(self, rolled: Pose2 = Pose2(0.0, 0.0, 0.0)) -> None:
-        """Find the pose again if a scan shows a motion at rest other than `rolled`, that by the wheels."""
+        """Find the pose again if a scan shows a push at rest; `rolled` is the known motion by the wheels."""
         if self.still <= STILL_SCANS or self._range_sensor is None:
             return
         points, scan = self._fresh_points(), self._range_sensor.scan()
@@ -240,7 +240,7 @@ class Localization(ABC):
             self._displaced()
 
     def found_at(self, pose: Pose2, sigma: tuple[float, float]) -> None:
-        """Correct the pose by a measured map_T_base with sigmas of x and y, in [m], and heading, in [rad]."""
+        """Correct the pose by a measured map_T_base; `sigma` of x and y in [m], of the heading in [rad]."""
         variance = np.diag([sigma[0], sigma[0], sigma[1]]) ** 2
         self._wheels.odometry.correct(pose, variance)
 
@@ -256,7 +256,7 @@ class Localization(ABC):
         self.set_origin()
 
     def locate(self, pose: Pose2, covariance: FloatArray) -> None:
-        """Return from a local map to map_T_base, as a search found it, with covariance in [m] and [rad]."""
+        """Go back from a local map to the map, at a pose map_T_base with covariance (3, 3) in [m], [rad]."""
         assert self.map_field is not None
         self.local_map = self.lifted = None
         self._wheels.change_map(self.map_field, pose, covariance)

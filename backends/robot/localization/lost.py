@@ -11,7 +11,7 @@ LIFTED_REASON = "it was lifted and set down elsewhere: its scans changed at once
 
 
 class Lost(NamedTuple):
-    """Reason why the base's pose is unknown: a text, and the measured quantity that exceeded its limit."""
+    """Reason why the base's pose is unknown, with the measured quantity that exceeded its limit."""
 
     why: str
     """Reason, as text."""
@@ -37,6 +37,6 @@ def lost_by_stale_lidar(seconds: float) -> Lost | None:
 
 
 def lifted_by(share: float) -> Lost:
-    """Return the reason that the base was lifted, which a `share` of beams that changed at once showed."""
+    """Return the reason "lifted" for an unknown pose, given the share of beams that changed at once."""
     what = "share of beams that changed at once"
     return Lost(LIFTED_REASON, "RangeSensor", what, share, MAX_CHANGED_SHARE)

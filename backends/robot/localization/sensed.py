@@ -9,7 +9,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class Sensed(NamedTuple):
-    """Readings of the sensors for outdoor localization in one period: wheels, IMU, satellite fix, beacons."""
+    """Readings of wheels, IMU, satellite fix and beacons in one period, for outdoor localization."""
 
     rates: FloatArray
     """Turn rates (3,) of the gyros about the base's axes x, y and z, in [rad/s]."""

@@ -41,7 +41,7 @@ MAX_DISCOVERY_S = 5.0
 
 
 class AirDescription(NamedTuple):
-    """Description of a robot, as it publishes it."""
+    """URDF, SRDF, topics, actions and controllers that a robot's ROS nodes publish."""
 
     urdf: str
     srdf: str
@@ -59,16 +59,16 @@ class AirDescription(NamedTuple):
 
 
 def describe_air(link: Link, wait: Callable[[], None], seconds: float, namespace: str = "") -> AirDescription:
-    """Listen to a robot's description of itself; nothing is sent.
+    """Collect the description that a robot's ROS nodes publish of themselves, without sending anything.
 
     Args:
-        link: connection to its topics.
-        wait: waits for a short time.
+        link: connection to the robot's topics.
+        wait: function that waits for a short time.
         seconds: time to listen, in [s]; it is extended while further topics and actions are being discovered.
         namespace: namespace of the robot's topics.
 
     Raises:
-        NotOnTheAir: nobody publishes `robot_description`.
+        NotOnTheAir: no node publishes `robot_description`.
     """
     texts: dict[str, str] = {}
     for topic in (URDF_TOPIC, SRDF_TOPIC):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class AirFinding(NamedTuple):
-    """Something on the air that is not as the robot's file says."""
+    """A difference between the robot's file and the ROS messages that the robot's nodes publish."""
 
     key: tuple[str, ...]
     """Place in the robot's file."""

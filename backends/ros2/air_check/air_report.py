@@ -23,7 +23,7 @@ DEFAULT_SECONDS = 5.0
 
 
 class AirReport(NamedTuple):
-    """Topics on the air, and where they differ from the robot's file."""
+    """Result of comparing the ROS topics of a running robot with the robot's file."""
 
     topics: tuple[MeasuredTopic, ...]
     nodes: dict[str, list[str]]
@@ -46,9 +46,9 @@ def listen(
     Args:
         robot: the robot's file.
         spec: section `ros2` of that file.
-        link: connection to its topics.
-        wait: waits for a short time, well below a period of a sensor.
-        seconds: time in [s] to listen, after each topic has had a message or the wait for it has ended.
+        link: connection to the robot's topics.
+        wait: function that waits for a short time, well below the period of a sensor.
+        seconds: time to listen, in [s], after each topic has had a message or the wait for one has ended.
         over: returns True once a recording is over, in which the robot may drive; None: no recording.
 
     Raises:

@@ -22,13 +22,13 @@ RECTIFIED_TOPIC_PART = "rect"
 def camera_info_findings(
     place: tuple[str, ...], topics: RosCameraSpec | RosDepthSpec, ours: CameraModel, message: Any
 ) -> Iterator[AirFinding]:
-    """Yield where a calibration on the air differs from that of the robot's file.
+    """Yield the differences between a published camera calibration and that in the robot's file.
 
     Args:
         place: key path of the camera in the robot's file.
         topics: the camera's topics.
-        ours: the camera as the robot's file has it.
-        message: the last `CameraInfo`; None without one.
+        ours: camera model by the robot's file.
+        message: the last published `CameraInfo`; None if none has arrived.
     """
     topic = topics.info_topic
     if message is None:
@@ -62,8 +62,9 @@ def _lens_findings(
 
 
 def ray_error(ours: CameraModel, theirs: CameraModel) -> float:
-    """Return the greatest distance, in [px], between the pixels at which two cameras see the same ray, over
-    the whole picture.
+    """Return the largest distance, in [px], between the pixels at which two camera models see the same ray.
+
+    The maximum is taken over a grid of 9 x 9 pixels of the picture.
     """
     last = np.array([ours.width - 1.0, ours.height - 1.0])
     pixels = np.array([[x, y] for x in np.linspace(0.0, 1.0, 9) for y in np.linspace(0.0, 1.0, 9)]) * last

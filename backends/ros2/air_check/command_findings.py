@@ -11,7 +11,9 @@ from .heard_robot import HeardRobot
 
 
 def command_findings(heard: HeardRobot) -> Iterator[AirFinding]:
-    """Yield all findings about the topics of commands."""
+    """Yield the faults of command topics and actions: no subscriber, other quality of service, a second
+    sender.
+    """
     link, deaf = heard.link, unheard(heard.topics, heard.link)
     for topic in heard.topics.commands:
         key = ("ros2", _key_of(heard, topic))

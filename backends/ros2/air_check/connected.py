@@ -27,9 +27,10 @@ def connected(
     """Yield a connection to a robot's topics, and a function that waits for a short time.
 
     Args:
-        robot: the robot's file; None: only with the topics on the air.
-        spec: its section `ros2`.
-        inner: a simulated robot for topics in this process, owned from now on; None: the topics on the air.
+        robot: the robot's file; may be None if `inner` is None.
+        spec: section `ros2` of that file.
+        inner: simulated robot whose topics exist in this process only, closed at the end; None: the topics of
+            the ROS network.
         differences: how the simulated robot differs from the file.
 
     Raises:

@@ -22,7 +22,7 @@ CAMERA_INFO, FRAMES = "sensor_msgs/CameraInfo", "tf2_msgs/TFMessage"
 
 
 class HeardRobot:
-    """A robot's topics by its file, and the messages received during a check."""
+    """The topics that a robot's file names, and the messages received from them during a check."""
 
     def __init__(
         self,
@@ -63,10 +63,10 @@ class HeardRobot:
         return True
 
     def wait_for_all(self, wait: Callable[[], None], seconds: float) -> None:
-        """Wait until each topic has had a message and each command a listener, or until the time is over.
+        """Wait until each topic has had a message and each command topic has a subscriber, or time is over.
 
         Args:
-            wait: waits for a short time.
+            wait: function that waits for a short time.
             seconds: longest wait, in [s].
         """
         end = self.link.clock() + seconds
@@ -74,10 +74,10 @@ class HeardRobot:
             self._receive(wait)
 
     def measure(self, wait: Callable[[], None], seconds: float) -> None:
-        """Measure all topics for a time, from now on.
+        """Measure rate, gaps and ages of all topics for a time, beginning with this call.
 
         Args:
-            wait: waits for a short time.
+            wait: function that waits for a short time.
             seconds: duration, in [s].
         """
         self.refusals.clear()
@@ -92,7 +92,7 @@ class HeardRobot:
 
     @property
     def may_drive(self) -> bool:
-        """Return whether the robot may move, because it is a recording."""
+        """True if the messages come from a recording, in which the robot may drive."""
         return self._over is not None
 
     def _ended(self) -> bool:
@@ -103,7 +103,7 @@ class HeardRobot:
         return self.link.meters[topic].last
 
     def sensors(self) -> Iterator[tuple[str, TopicSensor]]:
-        """Yield each reading with its key in the section `ros2`."""
+        """Yield each topic with sensor readings, preceded by its key in the section `ros2`."""
         keys = {id(getattr(self.spec, key)): key for key in type(self.spec).model_fields}
         keys |= {id(camera): "cameras" for camera in self.spec.cameras.values()}
         keys |= {id(item): "depth" for item in self.spec.depth.values()}

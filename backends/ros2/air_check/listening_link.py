@@ -13,9 +13,10 @@ from .topic_meter import TopicMeter
 
 
 class ListeningLink(Link):
-    """Wrapper of a connection that measures all that is received, and announces no command.
+    """Connection to ROS topics that measures all received messages for checks, and never publishes.
 
-    A program that drives the robot at the same time sees no second master.
+    It does not even announce a publisher, because a program that drives the robot at the same time would
+    report a second sender of commands.
     """
 
     def __init__(self, link: Link) -> None:

@@ -20,7 +20,7 @@ RATE_MARGIN = 0.9
 
 
 def reading_findings(heard: HeardRobot) -> Iterator[AirFinding]:
-    """Yield all findings about the topics of readings."""
+    """Yield all findings about the topics with sensor readings, such as missing, late or invalid messages."""
     for key, sensor in heard.sensors():
         place = ("ros2", key)
         measured = heard.link.meters[sensor.source.topic].measured()

@@ -9,7 +9,7 @@ import numpy as np
 
 
 class MeasuredTopic(NamedTuple):
-    """Measurements of a topic."""
+    """Measured rate, gaps, ages and frames of a topic's messages."""
 
     topic: str
     kind: str
@@ -29,7 +29,7 @@ class MeasuredTopic(NamedTuple):
 
 
 class TopicMeter:
-    """Meter of one topic's rate, gaps and ages from `begin` on."""
+    """Measurement of the rate, gaps and ages of one topic's messages since `begin`."""
 
     def __init__(
         self, topic: str, kind: str, clock: Callable[[], float], stamps: Callable[[], float]
@@ -67,7 +67,7 @@ class TopicMeter:
         self._frames[header.frame_id] = None
 
     def measured(self) -> MeasuredTopic:
-        """Return the measurements until now."""
+        """Return the properties measured since `begin`."""
         times = np.array([self._begun, *self._arrivals, self._clock()])
         count = len(self._arrivals)
         span = times[-2] - times[1] if count > 1 else 0.0

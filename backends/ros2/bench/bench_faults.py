@@ -29,7 +29,7 @@ DELAY_S = 0.5
 
 
 class TopicFault(NamedTuple):
-    """A fault of one topic."""
+    """A fault that a simulated robot injects into the messages of one topic, or into an action."""
 
     kind: str
     """One of `FAULT_KINDS`."""
@@ -39,7 +39,7 @@ class TopicFault(NamedTuple):
 
     @classmethod
     def read(cls, words: str) -> TopicFault:
-        """Return the fault that `KIND@TOPIC@SECONDS` means; without `@SECONDS` it is present from the start.
+        """Parse a fault from `KIND@TOPIC@SECONDS`; without `@SECONDS` the fault is present from the start.
 
         Raises:
             InputError: the text is not of this form, or names no kind of fault.
@@ -58,7 +58,10 @@ class TopicFault(NamedTuple):
 
 
 class BenchFaults:
-    """Planned faults, which change the messages of their topics once they are due."""
+    """Planned faults of a simulated robot's topics and actions.
+
+    A fault changes the messages of its topic from its planned time on.
+    """
 
     def __init__(self, period: float, planned: tuple[TopicFault, ...] = ()) -> None:
         """Plan faults; `period` is the time between two messages, in [s]."""
@@ -85,8 +88,7 @@ class BenchFaults:
         return any(pair.kind == kind and pair.topic == name and now_s >= pair.at_s for pair in self._planned)
 
     def passed(self, topic: str, message: Any, now_s: float) -> list[Any]:
-        """Return the messages that are sent in place of one, by the faults that are due: none, one or
-        several.
+        """Apply the faults of a topic that are due to a message; return the messages to send in its place.
 
         Args:
             topic: name of the topic.

@@ -22,7 +22,11 @@ FRAMES, STATIC_TOPIC, TOPIC = "tf2_msgs/TFMessage", "tf_static", "tf"
 
 
 class BenchFrames:
-    """Publisher of fixed sensors' frames once, and of base and cameras each period if a node listens."""
+    """Publisher of a simulated robot's frames on `tf_static` and `tf`.
+
+    The frames of fixed sensors are published once, those of base and cameras in each period if a node
+    listens.
+    """
 
     def __init__(self, robot: RobotFile, spec: RosSpec, inner: Backend, link: Link) -> None:
         """Announce the topics `tf` and `tf_static`, if the package of their messages is installed.
@@ -45,7 +49,7 @@ class BenchFrames:
         fixed(self._message(0.0, dict(self._fixed())))
 
     def moving(self, now: float, base: Pose2) -> Mapping[str, Any]:
-        """Return the message of a period at a time of ROS in [s], by its topic; empty if nobody listens.
+        """Return the `tf` message with the frames of base and cameras, by topic; empty if no node listens.
 
         Args:
             now: time of the message's stamps, in [s].

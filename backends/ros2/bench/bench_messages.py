@@ -30,7 +30,7 @@ def odometry_message(link: Link, now: float, pose: Pose2, speeds: DriveCommand) 
     """Return an `Odometry` message.
 
     Args:
-        link: makes the message.
+        link: connection to the topics, which creates the message.
         now: time of ROS, in [s].
         pose: 2D pose odom_T_base.
         speeds: speeds of the base in its own frame, in [m/s] and [rad/s].
@@ -52,7 +52,7 @@ def state_message(
     """Return a `JointState` message.
 
     Args:
-        link: makes the message.
+        link: connection to the topics, which creates the message.
         now: time of ROS, in [s].
         names: names of the n joints in ROS.
         positions: (n,) in [rad] or [m].
@@ -69,7 +69,7 @@ def scan_message(
     """Return the scan of a simulated lidar as a `LaserScan`.
 
     Args:
-        link: makes the message.
+        link: connection to the topics, which creates the message.
         now: time of ROS, in [s].
         spec: the lidar's section of the robot's file.
         robot: simulated robot with the lidar.
@@ -92,7 +92,7 @@ def imu_message(link: Link, now: float, robot: Backend, factor: float = 1.0) -> 
     """Return the readings of a simulated inertial unit as an `Imu`.
 
     Args:
-        link: makes the message.
+        link: connection to the topics, which creates the message.
         now: time of ROS for its stamp, in [s].
         robot: simulated robot with the unit.
         factor: factor of the accelerations.
@@ -112,7 +112,7 @@ def fix_message(link: Link, now: float, spec: RosGpsSpec, fix: Fix) -> Any:
     """Return a fix of a simulated receiver as a `NavSatFix`.
 
     Args:
-        link: makes the message.
+        link: connection to the topics, which creates the message.
         now: time of ROS for its stamp, in [s].
         spec: section with the origin on Earth of the fix's coordinates.
         fix: position east and north of that origin, in [m].
@@ -127,7 +127,7 @@ def fix_message(link: Link, now: float, spec: RosGpsSpec, fix: Fix) -> Any:
 
 
 class LatePicture:
-    """Pixels of a picture that is rendered when they are read: within the period in which it is sent."""
+    """Pixels of a picture that is rendered when they are read, which must be in the period of its sending."""
 
     def __init__(self, size: int, render: Callable[[], NDArray[Any]]) -> None:
         """Take the number of bytes of the picture, and a function that returns its pixels."""
@@ -144,7 +144,7 @@ def image_message(link: Link, now: float, camera: Camera, late: bool = False, fr
     """Return the picture of a simulated camera as an `Image`.
 
     Args:
-        link: makes the message.
+        link: connection to the topics, which creates the message.
         now: time of ROS, in [s].
         camera: takes the picture.
         late: True to render the picture only if it is read, which has to happen before the robot's next step.
@@ -166,7 +166,7 @@ def depth_messages(
     """Return depth and colours of a simulated depth camera, each as an `Image`.
 
     Args:
-        link: makes the messages.
+        link: connection to the topics, which creates the messages.
         now: time of ROS, in [s].
         camera: takes the pictures.
         late: True to render the pictures only if they are read, which has to happen before the robot's next
@@ -201,7 +201,7 @@ def camera_info_message(link: Link, now: float, model: CameraModel) -> Any:
     """Return the calibration of a camera as a `CameraInfo`.
 
     Args:
-        link: makes the message.
+        link: connection to the topics, which creates the message.
         now: time of ROS for its stamp, in [s].
         model: intrinsics and distortion.
     """

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 
 class LateCommands:
-    """Delay line for the wanted positions of joints, by some periods, as in slow controllers."""
+    """Delay of commanded joint positions by a number of periods, which simulates slow controllers."""
 
     def __init__(self, periods: int) -> None:
         """Delay positions by a number of periods; 0 for no delay."""

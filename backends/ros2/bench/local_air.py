@@ -15,7 +15,7 @@ from .local_messages import new_message
 
 
 class LocalAir:
-    """Topics, their messages, and the time by which they are stamped."""
+    """Topics and actions within this process, in place of a ROS network, with the time for message stamps."""
 
     def __init__(self) -> None:
         """Begin without topics, at a time of 1 s: a stamp of 0 means none."""
@@ -32,7 +32,7 @@ class LocalAir:
 
 
 class LocalLink(Link):
-    """One node's end of topics within this process."""
+    """Connection of one node to the topics within this process (`LocalAir`)."""
 
     def __init__(self, air: LocalAir, name: str) -> None:
         """Join; `name` is that of the node."""

@@ -21,7 +21,10 @@ from .ros_bench import RosBench
 
 
 class LocalBench(OtherEnd):
-    """Simulated drivers, whose time passes with the steps of the program."""
+    """Simulated robot with drivers on topics within this process.
+
+    Its time advances only with the steps of the program, not with a clock.
+    """
 
     def __init__(
         self,
@@ -58,10 +61,10 @@ class LocalBench(OtherEnd):
 
     @override
     def wait(self, seconds: float) -> None:
-        """Publish the sensors' readings at rest after a time in [s] of the topics.
+        """Advance the topics' time by `seconds` [s], and publish the sensors' readings of the resting robot.
 
-        The robot's time passes only if it has a satellite receiver, which has a fix now and then: then the
-        wait is one period, whatever `seconds` is.
+        A robot with a satellite receiver is simulated for one control period instead, whatever `seconds` is,
+        because it has a fix only from time to time.
         """
         if self._has_receiver:
             self.step()
@@ -71,18 +74,18 @@ class LocalBench(OtherEnd):
 
     @property
     def speeds(self) -> DriveCommand:
-        """Speeds that the simulated base obeys now."""
+        """Speeds at which the simulated base is driving now."""
         return self._drivers.speeds
 
     @override
     def step(self) -> None:
-        """Let a period pass."""
+        """Simulate one control period: execute the received commands and publish the readings."""
         self.air.time += self.inner.period
         self._drivers.step()
 
     @override
     def state(self) -> dict[str, object] | None:
-        """Return the state of robot, drivers and time; None if the robot keeps none."""
+        """Return the state of robot, drivers and time; None if the simulated robot cannot save its state."""
         inner = self.inner.state()
         if inner is None:
             return None
@@ -90,10 +93,10 @@ class LocalBench(OtherEnd):
 
     @override
     def set_state(self, state: Any) -> None:
-        """Restore what `state` returned, and publish the readings of that time.
+        """Restore a state that `state` returned, and publish the sensors' readings in this state.
 
         Raises:
-            NotAState: it is not such a state.
+            NotAState: the data are not a state of such a bench.
         """
         needed = {"inner", "time", *self._drivers.state()}
         if not isinstance(state, dict) or state.keys() != needed:

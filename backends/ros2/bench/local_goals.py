@@ -14,7 +14,7 @@ from .local_messages import new_goal, new_result
 
 
 class LocalGoal(SentGoal, ServedGoal):
-    """A goal with its state and result, shared by sender and server."""
+    """A goal of an action within this process, with its state and result, shared by sender and server."""
 
     def __init__(self, kind: str, request: Any) -> None:
         """Begin without an answer; `kind` is the type of the action."""
@@ -45,7 +45,7 @@ class LocalGoal(SentGoal, ServedGoal):
 
 
 class LocalAction:
-    """Server of an action: answers goals when its node receives."""
+    """Server of an action within this process; it answers goals when its node calls `receive`."""
 
     def __init__(self, kind: str, accepts: Accepts, take: TakesGoal) -> None:
         """Serve an action.
@@ -72,9 +72,7 @@ class LocalAction:
         return goal
 
     def answer(self) -> None:
-        """Accept or reject the goals that wait; those for which `accepts` returns None stay without an
-        answer.
-        """
+        """Accept or reject the queued goals; a goal for which `accepts` returns None gets no answer."""
         while self._waiting:
             goal = self._waiting.popleft()
             verdict = self._accepts(goal.request)
@@ -87,7 +85,7 @@ class LocalAction:
 
 
 class LocalGoalSender(GoalSender):
-    """End of an action from which goals are sent."""
+    """Client of an action within this process, which sends goals to the server."""
 
     def __init__(self, kind: str, server: Callable[[], LocalAction | None]) -> None:
         """Take the type of the action, and a function that returns the action's server; None without a

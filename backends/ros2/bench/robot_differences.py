@@ -32,7 +32,11 @@ STATE_PREFIX = "state."
 
 
 class RobotDifferences:
-    """Factors by which the true robot differs from its file: -1 for a wrong sign, 57.3 for degrees."""
+    """Planned differences between a simulated robot and its file, to test that checks find them.
+
+    Most are factors of a quantity, such as -1 for a wrong sign, or 57.3 for degrees in place of radians; some
+    are times in [s].
+    """
 
     def __init__(self, factors: Mapping[str, float] | None = None) -> None:
         """Take the factors by name; None: the robot is as its file says."""
@@ -40,15 +44,15 @@ class RobotDifferences:
 
     @classmethod
     def read(cls, words: Iterable[str], robot: RobotFile, spec: RosSpec) -> RobotDifferences:
-        """Return the differences that words such as `joint_3=-1` or `odometry.turn=57.3` mean.
+        """Parse differences from texts such as `joint_3=-1` or `odometry.turn=57.3`.
 
         Args:
-            words: NAME=FACTOR each.
+            words: texts of the form NAME=FACTOR.
             robot: robot file.
             spec: its section `ros2`.
 
         Raises:
-            InputError: a name or a number is wrong; all of them at once.
+            InputError: a name or a number is invalid; the error lists all of them.
         """
         joints = () if robot.arm is None else robot.arm.joints
         allowed = [*FIXED_NAMES, *joints, *(STATE_PREFIX + joint for joint in joints)]
@@ -70,23 +74,27 @@ class RobotDifferences:
         return cls(found)
 
     def factor(self, name: str) -> float:
-        """Return the factor by which the bench scales a quantity; 1 if the plan has none."""
+        """Return the factor by which the simulated robot scales a quantity; 1 if no difference is planned."""
         return self._factors.get(name, 1.0)
 
     def state_factor(self, joint: str) -> float:
-        """Return the factor by which the bench scales a joint's published reading."""
+        """Return the factor by which the simulated robot scales a joint's published position."""
         return self.factor(joint) * self.factor(STATE_PREFIX + joint)
 
     def timeout(self, usual: float) -> float:
-        """Return the time in [s] for which the base keeps its last speeds without a new command."""
+        """Return the time in [s] for which the base keeps its last speeds without a new command.
+
+        Args:
+            usual: time in [s] that is returned if no other time is planned.
+        """
         return self._factors.get(TIMEOUT_NAME, usual)
 
     @property
     def joint_latency_s(self) -> float:
-        """Return the time in [s] after which a joint obeys its command."""
+        """Delay between a command to a joint and its motion, in [s]."""
         return self._factors.get(LATENCY_NAME, 0.0)
 
     @property
     def finger_latency_s(self) -> float:
-        """Return the time in [s] after which the fingers obey their command."""
+        """Delay between a command to the fingers and their motion, in [s]."""
         return self._factors.get(FINGER_LATENCY_NAME, 0.0)

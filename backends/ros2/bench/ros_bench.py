@@ -53,7 +53,7 @@ COMMAND_TIMEOUT_S = 0.25
 
 
 class RosBench:
-    """Drivers of a simulated robot, which each period obey the received commands and publish readings."""
+    """ROS drivers of a simulated robot, which execute received commands and publish sensor readings."""
 
     STATE: ClassVar[Kinds] = {
         "time": float,
@@ -102,7 +102,7 @@ class RosBench:
         self._describe()
 
     def step(self) -> None:
-        """Obey the commands that have arrived, let a period pass, and publish the readings."""
+        """Execute the commands that have arrived, simulate one control period, and publish the readings."""
         self._link.receive()
         measured = dict(zip(*self._joint_readings()[:2], strict=True)) if self._served else {}
         for joints in self._served:
@@ -128,7 +128,7 @@ class RosBench:
             joints.settle(self.time, measured, presses)
 
     def announce(self) -> None:
-        """Publish the readings without letting time pass."""
+        """Publish the present readings again, without simulating a period."""
         self._publish()
 
     def state(self) -> dict[str, object]:
@@ -140,20 +140,20 @@ class RosBench:
         }
 
     def set_state(self, state: Mapping[str, object]) -> None:
-        """Restore what `state` returned."""
+        """Restore a state of the drivers that `state` returned."""
         set_attributes(self, self.STATE, state["drivers"])
         set_attributes(self._wheels, WheelOdometry.STATE, state["wheels"])
         for joints in self._served:
             set_attributes(joints, joints.STATE, state[joints.name])
 
     def close(self) -> None:
-        """Leave the topics, and close the simulated robot."""
+        """Close the connection to the topics and the simulated robot."""
         self._link.close()
         self.inner.close()
 
     @property
     def speeds(self) -> DriveCommand:
-        """Speeds that the base obeys now."""
+        """Speeds at which the simulated base is driving now; zero if the last command is too old."""
         late = self.time - self._commanded > self._true.timeout(COMMAND_TIMEOUT_S)
         return DriveCommand() if late else self._command
 

@@ -24,7 +24,7 @@ PREEMPTED = "Current goal cancelled due to new incoming action."
 
 
 class JointPlan(NamedTuple):
-    """Positions of joints over time, linear between points."""
+    """Trajectory of joints whose positions are interpolated linearly over time between its points."""
 
     begun_s: float
     """Time of the bench at which the plan begins, in [s]."""
@@ -44,12 +44,15 @@ class JointPlan(NamedTuple):
 
     @property
     def end_s(self) -> float:
-        """Return the time of the bench at which the plan ends, in [s]."""
+        """Time of the bench at which the trajectory ends, in [s]."""
         return self.begun_s + self.times_s[-1]
 
 
 class ServedJoints:
-    """Server of one controller's action: the last goal that was accepted is followed, and then held."""
+    """Simulated joint controller with an action server.
+
+    The joints follow the last accepted goal, and then hold its end.
+    """
 
     STATE: ClassVar[Kinds] = {"_plan": JointPlan | None}
 
@@ -71,8 +74,9 @@ class ServedJoints:
         link.serve_action(kind, name, self._accepts, self._take)
 
     def wanted(self, now_s: float, period: float, measured: Mapping[str, float]) -> Mapping[str, float]:
-        """Return the positions at the end of a period, in [rad] or [m] by the joint's name; empty before the
-        first goal.
+        """Return the commanded positions at the end of a period, in [rad] or [m] by the joint's name.
+
+        Empty before the first goal.
 
         Args:
             now_s: time of the bench at the beginning of the period, in [s].
@@ -89,7 +93,7 @@ class ServedJoints:
         return {} if self._plan is None else self._plan.at(now_s + period)
 
     def settle(self, now_s: float, measured: Mapping[str, float], presses: bool) -> None:
-        """End the goal if it is reached or can't be.
+        """End the goal if it is reached, or if the joints or fingers cannot reach it.
 
         Args:
             now_s: time of the bench, in [s].

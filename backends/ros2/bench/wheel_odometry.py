@@ -12,7 +12,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 
 
 class WheelOdometry:
-    """Pose in a frame of its own, that begins where the bench begins."""
+    """Odometry by the wheels of a simulated robot; its frame `odom` is the base frame at the start."""
 
     STATE: ClassVar[Kinds] = {"pose": Pose2, "_last": WheelTravel | None}
 

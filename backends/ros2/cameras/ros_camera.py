@@ -26,7 +26,7 @@ TO_GREY = {
 
 
 class RosCamera(TopicSensor, PlacedCamera):
-    """Pictures of one camera, turned to grey."""
+    """Camera whose pictures are received from a ROS topic and converted to grey."""
 
     KIND = "sensor_msgs/Image"
     _message: Any = None
@@ -34,7 +34,7 @@ class RosCamera(TopicSensor, PlacedCamera):
     """Picture (height, width), grey, of the last message, decoded once it is requested; None: not yet."""
 
     def fit(self, mounted: MountedCamera) -> None:
-        """Set the camera as it was calibrated, before the first picture."""
+        """Set the camera's intrinsics and mounting pose, before the first picture."""
         self._known = mounted
 
     @override
@@ -64,7 +64,7 @@ class RosCamera(TopicSensor, PlacedCamera):
 
 
 def grey_picture(message: Any) -> ByteArray:
-    """Return the picture (height, width) of a message, grey from 0 to 255, as a copy that can't be written.
+    """Return the picture (height, width) of a message as a read-only copy, grey from 0 to 255.
 
     Args:
         message: `sensor_msgs/Image` with an encoding of `TO_GREY` and complete data.

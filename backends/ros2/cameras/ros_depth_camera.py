@@ -35,17 +35,17 @@ PAIR_S = 0.1
 
 
 class PictureTopic(TopicSensor):
-    """Pictures of one topic, of a known size; the last few are kept as they came."""
+    """ROS topic with pictures of a known size; the last five messages are kept unchanged."""
 
     KIND = "sensor_msgs/Image"
 
     def fit(self, width: int, height: int, channels: dict[str, int]) -> None:
-        """Set the expected pictures, before the first message.
+        """Set the size and encodings of the expected pictures, before the first message.
 
         Args:
             width: width in [px].
             height: height in [px].
-            channels: bytes of a pixel, by the encodings that are read.
+            channels: number of bytes of a pixel, by accepted encoding.
         """
         self._size, self._channels = (width, height), channels
         self.kept: deque[Any] = deque(maxlen=KEPT_PICTURES)
@@ -111,7 +111,7 @@ class RosDepthCamera(DepthCamera):
         """Return the last depth picture with the colour picture nearest in time.
 
         Raises:
-            StaleSensor: one of them is too old, or their times differ too much.
+            StaleSensor: one of the two pictures is too old, or their times differ by more than 0.1 s.
         """
         self._depth.check_fresh()
         self._colour.check_fresh()
@@ -139,8 +139,8 @@ def depth_of(message: Any, nearest: float, farthest: float) -> SingleArray:
 
     Args:
         message: `sensor_msgs/Image` with an encoding of `DEPTH_TYPES`.
-        nearest: least depth that counts as a reading, in [m].
-        farthest: largest depth that counts as a reading, in [m].
+        nearest: smallest valid depth, in [m].
+        farthest: largest valid depth, in [m].
     """
     kind, unit = DEPTH_TYPES[message.encoding]
     order = ">" if message.is_bigendian else "<"

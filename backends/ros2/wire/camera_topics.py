@@ -9,7 +9,7 @@ from handcart.backends.sensors.depth_spec import DepthCameraSpec
 
 
 def camera_topics(robot: RobotFile, spec: RosSpec) -> dict[str, tuple[CameraSpec, RosCameraSpec]]:
-    """Return the cameras that have a topic, each with it, by their names in the robot's file."""
+    """Return the description and the topic of each camera that has a topic, by name in the robot's file."""
     cameras = robot.all_of(CameraSpec)
     return {
         name: (camera, spec.camera if camera is robot.camera else spec.cameras[name])
@@ -19,7 +19,7 @@ def camera_topics(robot: RobotFile, spec: RosSpec) -> dict[str, tuple[CameraSpec
 
 
 def depth_topics(robot: RobotFile, spec: RosSpec) -> dict[str, tuple[DepthCameraSpec, RosDepthSpec]]:
-    """Return the depth cameras that have topics, each with them, by their names in the robot's file."""
+    """Return the description and the topics of each depth camera that has topics, by name in the file."""
     found = robot.all_of(DepthCameraSpec)
     return {name: (found[name], topics) for name, topics in spec.depth.items() if name in found}
 

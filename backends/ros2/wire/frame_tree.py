@@ -13,14 +13,14 @@ MAX_DEPTH = 100
 
 
 class FrameTree:
-    """Store of the last pose of each frame in its parent frame."""
+    """Tree of coordinate frames from `tf` messages, with the last pose of each frame in its parent frame."""
 
     def __init__(self) -> None:
         """Begin without frames."""
         self._parents: dict[str, tuple[str, Transform]] = {}
 
     def take(self, message: Any) -> None:
-        """Take over the poses of a `tf2_msgs/TFMessage`; those that are not finite are left out."""
+        """Store the poses of a `tf2_msgs/TFMessage`; poses that are not finite are ignored."""
         for transform in message.transforms:
             pose = pose_of_transform(transform.transform)
             if pose is not None:
@@ -28,11 +28,11 @@ class FrameTree:
 
     @property
     def frames(self) -> tuple[str, ...]:
-        """Return the names of all frames that have a parent."""
+        """Names of all frames that have a parent."""
         return tuple(self._parents)
 
     def pose(self, base: str, frame: str) -> Transform | None:
-        """Return base_T_frame (4, 4) of two frames by their names; None if nothing connects both."""
+        """Return the pose base_T_frame (4, 4) of one frame in another; None if they are not connected."""
         of_base, of_frame = self._to_root(plain(base)), self._to_root(plain(frame))
         if of_base is None or of_frame is None or of_base[0] != of_frame[0]:
             return None
@@ -71,5 +71,5 @@ def pose_of_transform(message: Any) -> Transform | None:
 
 
 def plain(frame: str) -> str:
-    """Return a frame's name without the slash that ROS 1 put before it."""
+    """Return a frame's name without a leading slash, which was usual in ROS 1."""
     return frame.lstrip("/")

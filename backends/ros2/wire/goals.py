@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 
 class GoalStage(Enum):
-    """State of a goal."""
+    """State of an action's goal, from sending it to its end."""
 
     SENT = "sent"
     RUNNING = "running"
@@ -36,38 +36,38 @@ class SentGoal(Protocol):
     result: Any
 
     def cancel(self) -> None:
-        """Ask the server to cancel the goal; one that is not accepted yet is cancelled as soon as it is."""
+        """Ask the server to cancel the goal; if it is not accepted yet, ask as soon as it is."""
 
 
 class GoalSender(Protocol):
-    """End of an action from which goals are sent."""
+    """Interface of a client of an action, which sends goals."""
 
     def is_ready(self) -> bool:
-        """Return whether a server is connected."""
+        """Return True if a server of the action is connected."""
 
     def others_goal(self) -> bool:
-        """Return whether a goal of another node is being executed."""
+        """Return True if the server executes a goal of another node."""
 
     def new_goal(self) -> Any:
-        """Return an empty goal."""
+        """Return an empty goal message of the action's type."""
 
     def send(self, goal: Any) -> SentGoal:
-        """Send a goal; never waits."""
+        """Send a goal without waiting for an answer."""
 
 
 class ServedGoal(Protocol):
-    """A goal that was accepted, at the end of an action that serves it."""
+    """Interface of an accepted goal, as the server of the action has it."""
 
     @property
     def request(self) -> Any:
-        """Return the message of the goal."""
+        """Goal message."""
 
     @property
     def is_cancel_asked(self) -> bool:
-        """Return whether its sender wants it to end."""
+        """True if the client has requested to cancel the goal."""
 
     def new_result(self) -> Any:
-        """Return an empty result."""
+        """Return an empty result message of the action's type."""
 
     def end(self, state: GoalStage, result: Any) -> None:
         """Set the final state of the goal, and send its result.

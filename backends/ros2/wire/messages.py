@@ -19,7 +19,11 @@ URDF_TOPIC, SRDF_TOPIC = "robot_description", "robot_description_semantic"
 
 
 def message_kind(kind: str) -> str:
-    """Return the full name, such as `std_msgs/Float64MultiArray`, of `kind`: a type of command to joints."""
+    """Return a joint command's message type with its package, such as `std_msgs/Float64MultiArray`.
+
+    Args:
+        kind: `JointTrajectory` or `Float64MultiArray`.
+    """
     return f"{'trajectory_msgs' if kind == 'JointTrajectory' else 'std_msgs'}/{kind}"
 
 
@@ -27,7 +31,7 @@ def velocity_message(link: Link, spec: RosVelocitySpec, command: DriveCommand) -
     """Return a command as a `Twist` or `TwistStamped`; the latter has the present time of ROS as its stamp.
 
     Args:
-        link: makes the message.
+        link: connection to the topics, which creates the message.
         spec: type and frame of the message.
         command: speeds forward and to the left in [m/s], turn rate to the left in [rad/s].
     """
@@ -45,10 +49,10 @@ def velocity_message(link: Link, spec: RosVelocitySpec, command: DriveCommand) -
 def joint_message(
     link: Link, kind: str, names: Sequence[str], positions: Sequence[float], seconds: float
 ) -> Any:
-    """Return a message for a controller.
+    """Return a message that commands positions to a joint controller.
 
     Args:
-        link: makes the message.
+        link: connection to the topics, which creates the message.
         kind: `JointTrajectory` or `Float64MultiArray`.
         names: names of the n joints in ROS.
         positions: (n,) in [rad] or [m].
@@ -69,8 +73,8 @@ def trajectory_goal(
     """Return a goal of `FollowJointTrajectory` with one point.
 
     Args:
-        link: makes the point's message.
-        sender: makes the goal.
+        link: connection to the topics, which creates the point's message.
+        sender: client of the action, which creates the goal.
         names: names of the n joints in ROS.
         positions: (n,) in [rad] or [m].
         seconds: time in [s] in which the point is to be reached.
@@ -111,7 +115,7 @@ def set_stamp(header: Any, seconds: float) -> None:
 
 
 def sound(value: float) -> float:
-    """Return a number as a float of Python, because numbers of other types are sent wrongly without an error.
+    """Return a finite number as a Python float; ROS sends wrong values for other types without an error.
 
     Raises:
         CommandError: the number is not finite.

@@ -10,27 +10,31 @@ from .ros_link import Link
 
 
 class OtherEnd(Protocol):
-    """Drivers within this process: their time passes with the steps of the program, and no clock is read."""
+    """Interface of simulated ROS drivers within this process, which are the other end of the program's
+    topics.
+
+    Their time advances with the steps of the program, and no clock is read.
+    """
 
     @property
     def link(self) -> Link:
-        """Return the program's end of the topics."""
+        """Connection of the program to the drivers' topics."""
 
     @property
     def inner(self) -> Backend | None:
-        """Return the simulated robot; None without one."""
+        """Simulated robot behind the drivers; None without one."""
 
     def wait(self, seconds: float) -> None:
-        """Let a time in [s] pass before the first step."""
+        """Advance the drivers' time by `seconds` [s], before the first step."""
 
     def step(self) -> None:
-        """Let a period pass."""
+        """Simulate one control period."""
 
     def state(self) -> dict[str, object] | None:
-        """Return the state of robot and drivers; None if they keep none."""
+        """Return the state of robot and drivers for a checkpoint; None if it cannot be saved."""
 
     def set_state(self, state: Any) -> None:
-        """Restore what `state` returned."""
+        """Restore a state that `state` returned."""
 
     def close(self) -> None:
         """Release all resources."""

@@ -24,21 +24,21 @@ UNPUBLISHED = ("control_msgs", "tf2_msgs", "nav2_msgs", "moveit_msgs")
 
 
 class NoTopics(InputError):
-    """The robot's file doesn't name its topics."""
+    """Error: the robot's file has no section `ros2` with the robot's topics."""
 
     def __init__(self) -> None:
         super().__init__("the robot's file has no section 'ros2'; allowed: `ros2: {}` for the usual topics")
 
 
 class UnknownJoints(InputError):
-    """The section `ros2` names joints that the arm lacks, or has no controller for some of the arm's."""
+    """Error: the section `ros2` names joints that the arm does not have, or a joint has no controller."""
 
     def __init__(self, findings: Sequence[str]) -> None:
         super().__init__("\n".join(findings))
 
 
 class NoRos(InputError):
-    """The Python package of ROS 2 is missing."""
+    """Error: a Python package of ROS 2 is not installed."""
 
     def __init__(self, missing: ImportError) -> None:
         super().__init__(
@@ -56,7 +56,7 @@ def _elsewhere(package: str) -> str:
 
 
 class NotOnTheAir(InputError):
-    """Topics are missing, or are not what the robot's file says. Nothing has moved."""
+    """Error: ROS topics are missing, or differ from the robot's file. Nothing has moved."""
 
     def __init__(self, findings: Sequence[str]) -> None:
         self.findings = tuple(findings)
@@ -64,4 +64,4 @@ class NotOnTheAir(InputError):
 
 
 class RosFault(RobotFault):
-    """The robot is stopped because a topic is silent or implausible, or has a second master."""
+    """Error: the robot was stopped; messages are missing or implausible, or another node commands it."""

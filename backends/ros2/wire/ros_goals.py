@@ -32,7 +32,7 @@ Came = Callable[[], None]
 
 
 class RosGoalSender(GoalSender):
-    """Client of an action; its results are delivered when the node is spun."""
+    """Client of a ROS action, which sends goals; answers are received when the node is spun."""
 
     def __init__(self, node: Any, kind: str, name: str, came: Came) -> None:
         """Connect to the servers of an action.
@@ -159,15 +159,15 @@ class _RosServedGoal(ServedGoal):
 
 
 def serve_action(node: Any, kind: str, name: str, accepts: Accepts, take: TakesGoal, came: Came) -> None:
-    """Offer an action by a node.
+    """Create the server of an action in a node.
 
     Args:
         node: node of rclpy.
         kind: type of the action, such as `control_msgs/FollowJointTrajectory`.
         name: name of the action.
-        accepts: returns whether a goal is accepted; None leaves the goal without an answer.
-        take: receives each goal that is accepted.
-        came: notes that a goal or a request to cancel one has arrived.
+        accepts: function that returns True to accept a goal, False to reject it, None for no answer.
+        take: function that is called with each accepted goal.
+        came: function that is called when a goal, or a request to cancel a goal, arrives.
 
     Raises:
         NoRos: the package of the action is not installed.
@@ -211,10 +211,10 @@ def action_servers(node: Any, name: str) -> list[str]:
 
 
 def actions_of(node: Any, kind: str) -> list[str]:
-    """Return the names of all actions of a type that are served; needs no package of its messages.
+    """Return the names of all actions of a type that have a server; the package of the type is not needed.
 
-    A server is found by its topic of feedback, as a client finds it: the names of nodes arrive later than
-    their topics, and a client subscribes to feedback that nobody publishes.
+    A server is recognized by publishing the action's feedback topic. A client only subscribes to this topic,
+    and the names of nodes are discovered later than their topics.
     """
     wanted = f"{kind.replace('/', '/action/')}{FEEDBACK_TYPE}"
     topics = (topic for topic, kinds in node.get_topic_names_and_types() if wanted in kinds)
@@ -222,14 +222,14 @@ def actions_of(node: Any, kind: str) -> list[str]:
 
 
 def node_of(end: Any) -> str:
-    """Return the node of a publisher or subscription; it may not be known yet, shortly after discovery."""
+    """Return the node name of a publisher or subscription, or a text if the name is not discovered yet."""
     if end.node_name == UNKNOWN_NODE:
         return "a node without a name yet"
     return f"{end.node_namespace.rstrip('/')}/{end.node_name}"
 
 
 def action_class(kind: str) -> Any:
-    """Return the class of an action such as `control_msgs/GripperCommand`; raises `NoRos` without it."""
+    """Return the class of an action such as `control_msgs/GripperCommand`; raise `NoRos` if not installed."""
     package, _, name = kind.partition("/")
     try:
         return getattr(import_module(f"{package}.action"), name)

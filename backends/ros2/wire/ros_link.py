@@ -28,40 +28,40 @@ SERVICE_TIMEOUT_S = 1.0
 
 
 class Link(Protocol):
-    """Connection to the topics of a robot."""
+    """Interface of one node's connection to ROS topics and actions, real or within this process."""
 
     def subscribe(self, kind: str, topic: str, take: Take, latched: bool = False) -> None:
-        """Call `take` with each message of a topic; `kind` such as `sensor_msgs/LaserScan`.
+        """Subscribe to a topic with messages of type `kind`, and call `take` with each message.
 
-        `latched` is True to receive the last message of before, too, where the publisher keeps it.
+        `latched` is True to receive also the last message from before, if the publisher keeps it.
         """
 
     def publisher(self, kind: str, topic: str) -> Take:
         """Return a function that publishes messages of a type such as `sensor_msgs/LaserScan` to a topic."""
 
     def latched(self, kind: str, topic: str) -> Take:
-        """Return a function as `publisher` does; late subscribers receive the last message, too."""
+        """Return a function that publishes messages, the last of which later subscribers receive as well."""
 
     def message(self, kind: str) -> Any:
         """Return a new, empty message of a type such as `sensor_msgs/LaserScan`."""
 
     def receive(self) -> None:
-        """Hand over all messages that have arrived; never waits."""
+        """Pass all messages that have arrived to the subscribed functions, without waiting for more."""
 
     def publishers(self, topic: str) -> list[str]:
-        """Return the names of the nodes that publish a topic, our own included, each with its type."""
+        """Return the names of all nodes that publish a topic, including this one, each with its type."""
 
     def subscribers(self, topic: str) -> int:
-        """Return the number of nodes that listen to a topic."""
+        """Return the number of nodes that subscribe to a topic."""
 
     def listeners(self, topic: str) -> list[str]:
-        """Return the names of the nodes that listen to a topic, each with its type."""
+        """Return the names of the nodes that subscribe to a topic, each with the message type."""
 
     def mismatches(self, topic: str, is_command: bool) -> list[str]:
-        """Return why nodes of a topic exchange no messages with this one by their quality of service, a text
-        for each node.
+        """Return a text for each node of a topic whose quality of service does not match that of this node.
 
-        `is_command` is True for a topic that this node publishes, False for one that it reads.
+        Such nodes exchange no messages. `is_command` is True if this node publishes the topic, False if it
+        subscribes.
         """
 
     def topics_of(self, kind: str) -> list[str]:
@@ -71,18 +71,18 @@ class Link(Protocol):
         """Return the parameter `joints` of a controller's node; empty if it reports none."""
 
     def goal_sender(self, kind: str, name: str) -> GoalSender:
-        """Return the end of an action from which goals are sent; `kind` such as
+        """Return a client of an action, to send goals; `kind` is a type such as
         `control_msgs/FollowJointTrajectory`.
         """
 
     def serve_action(self, kind: str, name: str, accepts: Accepts, take: TakesGoal) -> None:
-        """Offer an action of a type such as `control_msgs/FollowJointTrajectory`.
+        """Create the server of an action.
 
         Args:
-            kind: type of the action.
+            kind: type of the action, such as `control_msgs/FollowJointTrajectory`.
             name: name of the action.
-            accepts: returns whether a goal is accepted; None leaves the goal without an answer.
-            take: receives each goal that is accepted.
+            accepts: function that returns True to accept a goal, False to reject it, None for no answer.
+            take: function that is called with each accepted goal.
         """
 
     def action_servers(self, name: str) -> list[str]:
@@ -92,20 +92,20 @@ class Link(Protocol):
         """Return the names of all actions of a type that are served."""
 
     def now(self) -> float:
-        """Return the time of ROS in [s], by which messages are stamped."""
+        """Return the present ROS time in [s], which is used for the stamps of messages."""
 
     def clock(self) -> float:
-        """Return a time in [s] that only grows, by which the age of a message is measured."""
+        """Return a monotonic time in [s], with which the ages of messages are measured."""
 
     def close(self) -> None:
-        """Leave ROS; a second call does nothing."""
+        """Close the node's connection to ROS; a second call does nothing."""
 
 
 class RosLink(Link):
-    """A node of rclpy in a context of its own, spun by the control loop.
+    """Connection to ROS by a node of rclpy in a context of its own; the control loop executes its callbacks.
 
-    Subscriptions hear reliable and best-effort publishers. Deadlines and liveliness are not asked for:
-    drivers with default settings would not be heard at all.
+    Subscriptions receive messages of reliable and of best-effort publishers. They request no deadlines and no
+    liveliness, because they would then receive nothing from drivers with default settings.
     """
 
     def __init__(self, name: str, namespace: str = "", domain: int | None = None) -> None:
@@ -308,7 +308,7 @@ def _take_all(subscription: Any, take: Take) -> None:
 
 
 def message_class(kind: str) -> Any:
-    """Return the class of a message such as `sensor_msgs/LaserScan`; raises `NoRos` without its package."""
+    """Return the class of a message such as `sensor_msgs/LaserScan`; raise `NoRos` if not installed."""
     package, _, name = kind.partition("/")
     try:
         return getattr(import_module(f"{package}.msg"), name)
@@ -322,5 +322,5 @@ def _node_and_type(end: Any) -> str:
 
 
 def node_name(what: str) -> str:
-    """Return the name of a node that no other process of this machine has."""
+    """Return a node name that contains `what` and is unique on this machine."""
     return f"handcart_{what}_{os.getpid()}_{time.monotonic_ns() % 100_000}"

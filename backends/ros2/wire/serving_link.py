@@ -24,14 +24,15 @@ class Answer(NamedTuple):
 
 
 class ServingLink(Protocol):
-    """Connection to ROS 2 of a program that is watched and commanded."""
+    """Interface of a connection to ROS 2 for a program that publishes its state and offers services."""
 
     def message(self, kind: str) -> Any:
         """Return a new, empty message of a type such as `std_msgs/String`."""
 
     def latched(self, kind: str, topic: str) -> Take:
-        """Return a function that publishes messages of a type to a topic; late subscribers receive the last
-        one, too.
+        """Return a function that publishes messages of type `kind` to a topic.
+
+        Later subscribers receive the last message as well.
         """
 
     def serve(self, name: str, answer: Callable[[], Answer], apart: bool = False) -> None:
@@ -39,8 +40,8 @@ class ServingLink(Protocol):
 
         Args:
             name: name of the service.
-            answer: computes the answer to a call.
-            apart: True to answer a call while another service still works on one; False: one after the other.
+            answer: function that computes the answer to a call.
+            apart: True to answer calls in parallel to other services; False: one call after the other.
         """
 
     def servers(self, name: str) -> int:
@@ -53,11 +54,11 @@ class ServingLink(Protocol):
         """Answer the calls that arrive within a time in [s]."""
 
     def close(self) -> None:
-        """Leave ROS; a second call does nothing."""
+        """Close the connection to ROS; a second call does nothing."""
 
 
 class RosServingLink(RosLink, ServingLink):
-    """A node of rclpy whose services are answered by threads of their own."""
+    """Connection to ROS 2 by a node of rclpy, which answers service calls in separate threads."""
 
     @override
     def _new_executor(self, executors: Any) -> Any:

@@ -17,11 +17,11 @@ StampClock = Callable[[], float]
 
 
 class TopicSensor(LiveSensor):
-    """Receiver of one topic's messages, which are read once a period.
+    """Base class of sensors whose readings are messages of a ROS topic, processed once a period.
 
-    A message counts as of now by the time of its arrival and by its stamp. One from another frame, with a
-    stamp that is old, of the future, or not after the last one, or with other than finite numbers is dropped,
-    with the reason kept for the `StaleSensor` that follows if no better one arrives.
+    A message is dropped if it comes from another frame, contains numbers that are not finite, or has a stamp
+    that is old, in the future, or not after the last stamp. If no valid message follows, the `StaleSensor`
+    error contains the reason.
     """
 
     KIND: str
@@ -52,7 +52,7 @@ class TopicSensor(LiveSensor):
         self._first_frame: str | None = None
 
     def heard(self, message: Any) -> None:
-        """Keep a message; it is checked and read when the present period ends."""
+        """Store a received message, which is checked and processed at the end of the period."""
         self._arrived.append(message)
 
     @override
@@ -104,7 +104,7 @@ class TopicSensor(LiveSensor):
         self._last_stamp = stamp
 
     def forget(self) -> None:
-        """Forget all messages: the next one counts as the first."""
+        """Discard all messages, so that the next message is treated like the first."""
         self._arrived, self._last_stamp, self._came, self.doubt = [], None, None, ""
         self._first_frame = None
 

@@ -23,10 +23,12 @@ MAPPED_FILE = Path("/proc/self/maps")
 
 
 def transport_variables(middleware: str) -> Mapping[str, str]:
-    """Return variables of the environment with which a node shares no memory; empty if they are the user's.
+    """Return environment variables that make a ROS node exchange messages by UDP, not by shared memory.
+
+    Empty if the user has set such variables.
 
     Args:
-        middleware: such as `rmw_fastrtps_cpp`; others have no variables here.
+        middleware: name of the ROS middleware; only for `rmw_fastrtps_cpp` and its variants variables exist.
     """
     if not middleware.startswith("rmw_fastrtps") or any(os.environ.get(name) for name in CHOICES):
         return {}
@@ -38,7 +40,7 @@ def transport_variables(middleware: str) -> Mapping[str, str]:
 
 @contextmanager
 def environment(variables: Mapping[str, str]) -> Iterator[None]:
-    """Set variables of the environment inside."""
+    """Set environment variables within this context, and restore the former values at its end."""
     before = {name: os.environ.get(name) for name in variables}
     os.environ.update(variables)
     try:
@@ -52,7 +54,7 @@ def environment(variables: Mapping[str, str]) -> Iterator[None]:
 
 
 def shares_memory(file: Path = MAPPED_FILE) -> bool:
-    """Return whether a node of this process shares memory; True where that is unknown."""
+    """Return True if a ROS node of this process uses shared memory, or if that is unknown."""
     try:
         return "/dev/shm/fastdds" in file.read_text(encoding="utf-8")
     except OSError:

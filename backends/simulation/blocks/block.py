@@ -13,14 +13,17 @@ BRICK_MATERIAL = Material(0.76, 0.40, 0.28, 0.05)
 
 
 class BlockSpec(PlacedSpec):
-    """A block, and where a person sets it down: the middle of its foot."""
+    """Description of a block in a world's file, with the position at which a person puts it down.
+
+    The position is that of the middle of its foot.
+    """
 
 
 @dataclass(eq=False, repr=False)
 class Block(PlacedThing):
-    """A block of a wall and where it truly is.
+    """A simulated block and its true pose.
 
-    Its frame: origin in the middle of its foot; x along its length, y along its width, z up.
+    The block's frame has its origin in the middle of the foot; x along its length, y along its width, z up.
     """
 
     KIND = "block"

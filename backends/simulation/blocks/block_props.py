@@ -28,7 +28,7 @@ class BlocksSection(FileModel):
 
 
 class BlockProps(Props[BlocksSection]):
-    """Blocks by their names in the world's file: a person sets them down, hands stack them."""
+    """Blocks of a simulated world, which a person puts down at the start and the robot stacks."""
 
     section = BlocksSection
     STATE: ClassVar[Kinds] = {"blocks": dict[str, Block]}

@@ -84,12 +84,12 @@ NO_TOUCH = Touch(0.0, "", "")
 
 
 class ArmContact:
-    """Overlaps of the moved links, fingers and held thing with the world's solids and things.
+    """Collision check of the arm's links, the fingers and the held thing with the world's solids and things.
 
-    When the base moves, parts mounted above its body (tray, column) and things on it are checked as well.
-    The arm is not checked against itself and its own base (a planner's task). The hand and the held thing
-    are checked against all parts that the arm does not move (base, tray, column). Bounding spheres exclude
-    distant bodies.
+    When the base moves, parts mounted above its body (tray, column) and things on it are checked as well. The
+    hand and the held thing are also checked against the parts that the arm does not move (base, tray,
+    column). The arm is not checked against itself and its own base, which a planner has to do. Distant bodies
+    are excluded by bounding spheres.
     """
 
     def __init__(self, scene: Scene, arm: ArmModel) -> None:
@@ -126,7 +126,7 @@ class ArmContact:
         Args:
             base: 2D pose world_T_base.
             joints: (n,) posture of the arm, in [rad] or [m].
-            skip: excludes pairs of bodies for which it returns True.
+            skip: function that returns True for pairs of bodies to exclude.
         """
         scene = self._scene
         reach = max(self._extent(joints), self._extent_on_base())
@@ -148,11 +148,11 @@ class ArmContact:
     def deepest_of_arm(self, joints: FloatArray, skip: Skip | None = None) -> Touch:
         """Return the deepest overlap of the arm in a posture, with the base at its current pose.
 
-        The robot's own tray and its load count as obstacles.
+        The robot's own tray, and things on it, are obstacles as well.
 
         Args:
             joints: (n,) posture of the arm, in [rad] or [m].
-            skip: excludes pairs of bodies for which it returns True.
+            skip: function that returns True for pairs of bodies to exclude.
         """
         scene = self._scene
         self._refresh()
@@ -164,9 +164,7 @@ class ArmContact:
         return max(worst, self._against_robot(bodies, poses))
 
     def rides_on_hand(self, body: str) -> bool:
-        """Return whether a body of the arm moves with the hand: a link fixed to it, a finger, the held
-        object.
-        """
+        """Return True if a body moves with the hand: a link fixed to it, a finger, or the held object."""
         return body in self._on_hand
 
     def _far(self, base: Pose2, joints: FloatArray) -> bool:
@@ -183,8 +181,9 @@ class ArmContact:
         return plan.clearance(base.x, base.y, self._scene.time)[0] > self._extent(joints)
 
     def travel(self, start: FloatArray, end: FloatArray) -> float:
-        """Return an approximation of the largest distance that any link's middle travels between two
-        postures, in [m].
+        """Return the largest distance between the positions of a link's frame in two postures, in [m].
+
+        It approximates the largest distance that any point of the arm travels.
 
         Args:
             start: (n,) joints of one posture, in [rad] or [m].

@@ -12,16 +12,18 @@ _HALVINGS = 8
 
 
 def move_base(scene: Scene, motion: Pose2, hand: SimulatedHand | None) -> frozenset[tuple[str, str]]:
-    """Move the base, or up to a contact; return the touching pairs: names of the robot's body and the other
-    one.
+    """Move the base, and stop it at the first contact.
 
-    The base has the outline of its footprint and the height of its body. At a contact a disc turns but comes
-    no nearer, because its wheels slip; a polygon does neither.
+    The base has the outline of its footprint and the height of its body. At a contact a base with a round
+    footprint still turns, while its wheels slip; a base with a polygon as its footprint stops completely.
 
     Args:
         scene: true state of world and robot.
-        motion: 2D pose of the base after the motion in the base frame before it.
-        hand: reports whether arm and load can be carried along; None without an arm.
+        motion: 2D pose of the base after the motion, in the base frame before the motion.
+        hand: hand, to check arm and load for contacts; None without an arm.
+
+    Returns:
+        Pairs of bodies that touch: the name of a part of the robot, and the name of the other body.
     """
     start, end = scene.base, scene.base.compose(motion)
     gap, other = base_gap(scene, end)
@@ -37,7 +39,7 @@ def move_base(scene: Scene, motion: Pose2, hand: SimulatedHand | None) -> frozen
 
 
 def touching_passers(scene: Scene) -> frozenset[tuple[str, str]]:
-    """Return the touching pairs of the base and of passers that walked into it, or that it drove into."""
+    """Return the pairs ("base", name) of the base and the passers that touch it."""
     if not scene.passers:
         return frozenset()
     touched = scene.passers.touched(scene.base, scene.robot.footprint_shape)
@@ -45,13 +47,13 @@ def touching_passers(scene: Scene) -> frozenset[tuple[str, str]]:
 
 
 def base_gap(scene: Scene, base: Pose2) -> tuple[float, str]:
-    """Return the distance of the footprint to the nearest body in [m], and the name of that body.
+    """Return the distance between the footprint and the nearest body in [m], and the name of this body.
 
-    Below 0 they overlap; infinity without bodies.
+    The distance is negative if they overlap, and infinite if there are no bodies.
 
     Args:
         scene: true state of the world.
-        base: world_T_base at which the footprint is compared.
+        base: pose world_T_base of the footprint.
     """
     shape = scene.robot.footprint_shape
     found = scene.body_plan.gap(base, shape, scene.time)

@@ -14,11 +14,11 @@ _LETS_GO = 0.001  # opening beyond a thing's thickness at which it is free
 
 
 class Fingers:
-    """Fingers that close on things and open again.
+    """Motion of simulated fingers that grip and release things, without dynamics.
 
-    A thing between closing pads slides ahead of the pad that meets it first, stops both pads and aligns
-    with them, as its props define. Opening the pads by 1 mm more releases it. A rule can leave the pads no
-    room to open.
+    A thing between closing pads is pushed by the pad that touches it first. Then it stops both pads and
+    aligns with them, as the thing's domain defines (`Props`). It is released when the pads open by 1 mm more
+    than its thickness. A domain's rule (`HandRule`) can limit how far the pads can open.
     """
 
     def __init__(self, hand: SimulatedHand) -> None:

@@ -23,12 +23,12 @@ _CLEAR = 1e-5  # [m]
 
 
 class SimulatedHand:
-    """Motion of a scene's arm, as far as solids allow it.
+    """Quasi-static motion of a simulated arm among solid things.
 
-    Quasi-static: the arm stops at the posture where a contact begins, and `scene.hand_force` grows with
-    the further command, 2 N a mm, up to 60 N, where its drives yield. Commanded along a surface that it
-    presses on, the hand slides, against friction; an arm that touches something with another part stops.
-    The `HandRule`s of the scene's props decide which bodies give way instead.
+    The arm stops at the posture where a contact begins. The force on the hand (`scene.hand_force`) grows by 2
+    N for each millimetre that the command goes further, up to 60 N, where the drives yield. If the hand
+    presses on a surface and is commanded along it, it slides with friction; if another part of the arm
+    touches something, the arm stops. A `HandRule` of a domain decides which bodies give way instead.
     """
 
     def __init__(self, scene: Scene, arm: ArmModel) -> None:
@@ -39,7 +39,7 @@ class SimulatedHand:
         """Rules by the domain's name."""
 
     def forget_derived(self) -> None:
-        """Forget values derived from the scene, which was moved."""
+        """Discard cached values, because the scene was changed from outside."""
         self.contact = ArmContact(self.scene, self.arm)
 
     # Motion
@@ -47,13 +47,13 @@ class SimulatedHand:
     def move(self, target: FloatArray) -> frozenset[tuple[str, str]]:
         """Move the arm from `scene.joints` towards joint positions, as far as solids and rules allow it.
 
-        Set the joints, the pose of the held object and the force.
+        The scene's joints, pose of the held object and force on the hand are updated.
 
         Args:
             target: (n,) commanded joints, in [rad] or [m].
 
         Returns:
-            The touching pairs: names of the robot's body and the other one.
+            Pairs of bodies that touch: the name of a part of the robot, and the name of the other body.
         """
         scene, start = self.scene, self.scene.joints
         for rule in self.rules.values():
@@ -75,13 +75,15 @@ class SimulatedHand:
         return pairs
 
     def met_at(self, base: Pose2) -> Touch:
-        """Return the deepest contact of the robot with the base at a pose world_T_base, if it is deeper than
-        now.
+        """Return the contact that arm, load and mounted parts would have with the base at another pose.
 
-        The base's own body is excluded: `move_base` checks it by its footprint.
+        The base's own body is excluded, because `move_base` checks its footprint.
+
+        Args:
+            base: pose world_T_base.
 
         Returns:
-            The contact; `NO_TOUCH` without one, or if the present contact is at least as deep.
+            The deepest contact; `NO_TOUCH` without one, or if the present contact is at least as deep.
         """
         there = self.contact.deepest_of_robot(base, self.scene.joints, self._skip)
         if there.depth == 0.0:
@@ -90,7 +92,7 @@ class SimulatedHand:
         return NO_TOUCH if there.depth <= here.depth else there
 
     def follow_base(self) -> None:
-        """Move the held object along after the base was moved."""
+        """Update the held object's pose after the base was moved."""
         if self.scene.held is not None:
             self.carry(self.scene.joints)
 
@@ -193,11 +195,13 @@ class SimulatedHand:
         return np.asarray(force * min(1.0, FORCE_CAP / size) if size > 0.0 else force)
 
     def carry(self, start: FloatArray) -> FloatArray:
-        """Move the held object with the hand; return the force (3,) of the object's contacts on the hand, in
-        the hand frame, in [N].
+        """Move the held object with the hand, as far as the domains' rules allow it.
 
         Args:
             start: (n,) joints at the start of the period, in [rad] or [m].
+
+        Returns:
+            Force (3,) on the hand by contacts of the object, in the hand frame, in [N].
         """
         scene, thing = self.scene, self.scene.held
         assert thing is not None

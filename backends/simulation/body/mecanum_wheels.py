@@ -18,10 +18,11 @@ TURN_SIGNS = np.array([-1.0, 1.0, -1.0, 1.0])
 
 
 class MecanumWheels:
-    """Four wheels whose true radii, arm and slip differ from the robot's file, by its `errors` and a seed.
+    """Model of the true motion of a base with four mecanum wheels, by the wheels' travel.
 
-    Each wheel errs by itself, so a base that drives sideways also turns and drifts ahead (Muir and Neuman
-    1987, eqs. 31 to 33). Rollers that give make the way sideways longer or shorter.
+    The true radii, lever arm and slip of the wheels differ from the robot's file by its section `errors` and
+    a seed. The wheels' errors are independent, so a base that drives sideways also turns and drifts ahead
+    (Muir and Neuman 1987, eqs. 31 to 33). Compliant rollers make the sideways travel longer or shorter.
     """
 
     def __init__(self, robot: RobotFile, seed: int) -> None:
@@ -35,7 +36,7 @@ class MecanumWheels:
         self._slip = errors.slip_percent / 100
 
     def motion(self, way: WheelTravel, period: int) -> Pose2:
-        """Return the base's pose after a period in the base frame before it, without obstacles.
+        """Return the base's pose at the end of a period in the base frame at its start, without obstacles.
 
         Args:
             way: travel of the wheels in the period by their encoders, in [m].
@@ -50,8 +51,8 @@ class MecanumWheels:
         return Pose2(chord * (cos * ahead - sin * left), chord * (sin * ahead + cos * left), turn)
 
     def twist(self, way: WheelTravel, period: int) -> FloatArray:
-        """Return the true motion (3,) in the base frame: travel ahead and to the left in [m], and turn to the
-        left in [rad].
+        """Return the true motion (3,) in a period, in the base frame: travel ahead and to the left in [m],
+        and turn to the left in [rad].
 
         Args:
             way: travel of the wheels in the period by their encoders, in [m].

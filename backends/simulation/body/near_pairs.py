@@ -9,7 +9,7 @@ from handcart.robotics.numerics.compiled import compiled_for
 
 
 class Boxes:
-    """Boxes, as arrays."""
+    """Poses and sizes of many boxes, stored as arrays for fast distance tests."""
 
     def __init__(self, sizes: FloatArray, poses: FloatArray) -> None:
         """Take in n boxes.
@@ -35,13 +35,13 @@ class Boxes:
 
 
 def near_boxes(poses: FloatArray, radii: FloatArray, boxes: Boxes, there: BoolArray) -> IntArray:
-    """Return the pairs (m, 2) of a body and a box that the sphere about the body reaches.
+    """Return the pairs (m, 2) of bodies and boxes in which the body's bounding sphere meets the box.
 
-    A row holds the number of the body, then that of the box.
+    A row holds the index of the body and the index of the box.
 
     Args:
-        poses: (b, 4, 4) of the bodies, in the frame of the boxes.
-        radii: (b,) of spheres about their origins that enclose them, in [m].
+        poses: (b, 4, 4) poses of the bodies, in the frame of the boxes.
+        radii: (b,) radii of the bodies' bounding spheres about their origins, in [m].
         boxes: n boxes.
         there: (n,) True for boxes that are present.
     """
@@ -52,15 +52,15 @@ def near_boxes(poses: FloatArray, radii: FloatArray, boxes: Boxes, there: BoolAr
 def near_spheres(
     poses: FloatArray, radii: FloatArray, others: FloatArray, other_radii: FloatArray
 ) -> IntArray:
-    """Return the pairs (m, 2) of bodies whose spheres about their origins meet.
+    """Return the pairs (m, 2) of bodies of two groups whose bounding spheres meet.
 
-    A row holds the number of a body of the first group, then that of one of the second.
+    A row holds the index of a body of the first group and the index of a body of the second group.
 
     Args:
-        poses: (b, 4, 4) of the first group, in any common frame.
-        radii: (b,) of their spheres, in [m].
-        others: (n, 4, 4) of the second group, in the same frame.
-        other_radii: (n,) of their spheres, in [m].
+        poses: (b, 4, 4) poses of the first group, in any common frame.
+        radii: (b,) radii of the first group's bounding spheres about the bodies' origins, in [m].
+        others: (n, 4, 4) poses of the second group, in the same frame.
+        other_radii: (n,) radii of the second group's bounding spheres, in [m].
     """
     pairs = np.empty((len(radii) * len(other_radii), 2), dtype=np.int64)
     count = 0

@@ -18,9 +18,10 @@ MIN_DEPTH_M = 1e-9  # [m]
 
 
 class RigidBody(NamedTuple):
-    """A geometry twice: the library FCL decides whether it touches another one, coal measures how deep.
+    """A body's geometry for collision checks, in two libraries.
 
-    Planners avoid contacts by coal. A fault of coal can't hide the bodies that they then run into.
+    FCL decides whether two bodies touch, and coal measures how deep they overlap. Planners use coal; as FCL
+    decides here, a fault of coal cannot hide a collision of a planned motion.
     """
 
     judging: object
@@ -28,18 +29,18 @@ class RigidBody(NamedTuple):
 
     @classmethod
     def of(cls, shape: Shape) -> Self:
-        """Return the body of a shape, about the origin of the shape's frame."""
+        """Create the body of a shape, with its geometry in the shape's own frame."""
         return cls(fcl_body(shape), coal_body(shape))
 
     @classmethod
     def box(cls, size: FloatArray) -> Self:
-        """Return a box of that size (3,) in [m] around its middle."""
+        """Create a box of a size (3,) in [m], whose frame is in its middle."""
         x, y, z = size.tolist()
         return cls(*_box(x, y, z))
 
 
 class Meeting(NamedTuple):
-    """Overlap of two bodies."""
+    """Depth, direction and point of the overlap of two bodies."""
 
     depth: float
     """Depth of the overlap, in [m]; 0 if they don't touch."""
@@ -57,12 +58,12 @@ def meet(one: RigidBody, pose: Transform, other: RigidBody, other_pose: Transfor
 
     Args:
         one: first body.
-        pose: (4, 4) its pose, in any common frame.
+        pose: (4, 4) pose of the first body, in any common frame.
         other: second body.
-        other_pose: (4, 4) its pose, in the same frame.
+        other_pose: (4, 4) pose of the second body, in the same frame.
 
     Returns:
-        The overlap in that frame; `NO_MEETING` if the bodies don't touch.
+        The overlap in the common frame; `NO_MEETING` if the bodies do not touch.
     """
     if not touch(one.judging, pose, other.judging, other_pose):
         return NO_MEETING
@@ -90,7 +91,7 @@ def _for_coal(pose: Transform) -> object:
 
 
 def fcl_body(shape: Shape) -> object:
-    """Return a shape as FCL's geometry, about the origin of its frame."""
+    """Convert a shape to a geometry of the collision library FCL, in the shape's own frame."""
     match shape:
         case Box():
             return fcl.Box(*shape.size)
@@ -103,7 +104,7 @@ def fcl_body(shape: Shape) -> object:
 
 
 def touch(one: object, pose: Transform, other: object, other_pose: Transform) -> bool:
-    """Return whether two geometries of FCL touch or overlap at poses (4, 4) in one common frame."""
+    """Return True if two geometries of FCL touch or overlap at poses (4, 4) in one common frame."""
     return bool(fcl.collide(_for_fcl(one, pose), _for_fcl(other, other_pose)))
 
 

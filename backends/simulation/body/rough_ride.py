@@ -19,9 +19,10 @@ SETS_OUT = 1.0  # [s] of standing after which the ground under a curve is anothe
 
 
 class RoughRide:
-    """Roll and pitch, slip along and across the heading: Ornstein-Uhlenbeck processes over the distance.
+    """Simulated motion of a car on rough ground, with random tilt and slip.
 
-    The model of `benchmarks.field.field_drive`. `tilt` is roll and pitch in [rad].
+    Roll, pitch, and slip along and across the heading are Ornstein-Uhlenbeck processes over the driven
+    distance, as in `benchmarks.field.field_drive`. `tilt` is roll and pitch in [rad].
     """
 
     STATE: ClassVar = {
@@ -54,7 +55,7 @@ class RoughRide:
         self._turn_slip, self._stood, self._legs = 0.0, math.inf, 0
 
     def motion(self, rolled: float, bend: float, period: int) -> Pose2:
-        """Return the base's pose after a period in the base frame before it, without obstacles.
+        """Return the base's pose at the end of a period in the base frame at its start, without obstacles.
 
         Args:
             rolled: the wheels' travel, in [m].

@@ -28,7 +28,7 @@ _GIVES = 5e-3  # [rad] by which joints give together at most
 
 
 class CommandedBase(Base):
-    """Simulated wheels; a command is valid for the next period only."""
+    """Base class of simulated bases; a command is valid for the next period only."""
 
     STATE: ClassVar[Kinds] = {"_command": DriveCommand, "_travel": WheelTravel}
     """Attributes that a checkpoint keeps, with their types."""
@@ -57,7 +57,7 @@ class CommandedBase(Base):
 
 
 class CommandedHolonomicBase(CommandedBase, HolonomicBase):
-    """Simulated wheels that drive in any direction."""
+    """Base class of simulated bases that drive in any direction."""
 
     @override
     def drive(self, speed: float, turn_rate: float, sideways: float = 0.0) -> None:
@@ -65,10 +65,10 @@ class CommandedHolonomicBase(CommandedBase, HolonomicBase):
 
 
 class SimulatedArm(ForceArm):
-    """Arm that accepts commands, separates motions, and reads encoders and force with noise.
+    """Base class of simulated arms that checks commands, counts motions, and adds noise to readings.
 
-    The joints differ from their encoder readings by `ArmError`, an offset that is drawn again whenever the
-    arm starts from rest: gears and links give, which no encoder measures.
+    The true joints differ from the encoders' readings by an offset (`ArmError`) for the elasticity of gears
+    and links, which is drawn again whenever the arm starts from rest.
     """
 
     STATE: ClassVar[Kinds] = {
@@ -129,12 +129,13 @@ class SimulatedArm(ForceArm):
         return self._read("hand force", self._true_force, self._errors.hand_force_n)
 
     def halt(self) -> None:
-        """Forget a command that hasn't begun; hold."""
+        """Discard a command that is not executed yet, so that the arm holds its position."""
         self._command = self._from.copy()
 
     def swing_yaw(self) -> float:
-        """Return the turn of the base to the left by the last motion of the arm, which was a swing, in
-        [rad].
+        """Return by how much the last motion of the arm turned the base to the left, in [rad].
+
+        To be called only if that motion was a swing (`swung`).
         """
         return swing_yaw(self._errors, self._seed, self._motions)
 
@@ -171,7 +172,7 @@ class SimulatedArm(ForceArm):
 
 
 class SimulatedGripper(CommandedGripper):
-    """Gripper that accepts commands, and reads the opening with noise."""
+    """Base class of simulated grippers that checks commands, and adds noise to the measured opening."""
 
     STATE: ClassVar[Kinds] = {"_command": float, "_now": int, "_pressing": bool}
     """Attributes that a checkpoint keeps, with their types."""
@@ -197,17 +198,17 @@ class SimulatedGripper(CommandedGripper):
         return self._pressing
 
     def halt(self) -> None:
-        """Hold: pressing fingers continue to press, moving ones stop."""
+        """Hold: pressing fingers continue to press, moving fingers stop."""
         if not self._pressing:
             self._command = min(max(0.0, self.true_width()), self._spec.opening_mm / 1e3)
 
 
 class ArmError:
-    """Offset of the joints from their encoder readings: gears and links give, which no encoder measures.
+    """Model of an arm's positioning error, the offset of the true joints from the encoders' readings.
 
-    The random part is drawn again whenever the arm starts from rest: Gaussian in the joints, Gaussian and
-    uniform in the hand's position. The systematic part is drawn once for a seed: a smooth field over the
-    positions of the hand, a sine along each axis.
+    It stands for the elasticity of gears and links. The random part is drawn again whenever the arm starts
+    from rest: Gaussian in the joints, and Gaussian and uniform in the hand's position. The systematic part is
+    drawn once for a seed: a smooth function of the hand's position, a sine along each axis.
     """
 
     def __init__(self, errors: Errors, arm: ArmModel, seed: int) -> None:
@@ -221,7 +222,7 @@ class ArmError:
         self._of_hand = max(errors.hand_systematic_mm, errors.hand_repeat_mm, errors.hand_uniform_mm) > 0.0
 
     def offset(self, joints: FloatArray, motion: int) -> FloatArray:
-        """Return the true joints (n,) less the joints that the encoders read, in [rad] or [m].
+        """Return the true joints (n,) minus the joints that the encoders read, in [rad] or [m].
 
         Args:
             joints: (n,) commanded joints, in [rad] or [m].

@@ -16,17 +16,18 @@ _DAMPING = 1e-6
 def slide(
     arm: ArmModel, stands: FloatArray, target: FloatArray, point: FloatArray, normal: FloatArray
 ) -> FloatArray | None:
-    """Return the joints at which an arm with its hand on a surface comes to rest on its way to `target`.
+    """Return the joints of an arm whose hand slides on a surface towards `target`.
 
-    The arm is a spring of equal stiffness in all directions. Pressed in by a depth, the hand sticks while
-    its command is less than `HAND_FRICTION` times that depth away along the surface; otherwise it follows
-    until it lags by this distance. It turns as commanded.
+    The arm is modelled as a spring of equal stiffness in all directions. The commanded position of the hand
+    is some depth behind the surface, and some distance away along the surface. The hand sticks as long as
+    this distance is less than `HAND_FRICTION` times the depth; otherwise it slides until the distance is that
+    large. The hand turns as commanded.
 
     Args:
         arm: kinematics of the arm.
         stands: (n,) joints with which the hand touches the surface, in [rad] or [m].
         target: (n,) commanded joints, in [rad] or [m].
-        point: (3,) where the hand touches, in the base frame, in [m].
+        point: (3,) point at which the hand touches the surface, in the base frame, in [m].
         normal: (3,) unit vector away from the surface, in the base frame.
 
     Returns:
@@ -49,7 +50,7 @@ def slide(
 
 
 def push_out(arm: ArmModel, joints: FloatArray, way: FloatArray) -> FloatArray:
-    """Return the joints (n,) with the hand displaced, but not turned.
+    """Return the joints (n,) for a hand that is displaced, but not turned.
 
     Args:
         arm: kinematics of the arm.

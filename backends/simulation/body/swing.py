@@ -10,7 +10,10 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 def is_swing(errors: Errors, loaded: bool, start: FloatArray, end: FloatArray) -> bool:
-    """Return whether a finished motion of the arm was a swing, under which casters and tyres yield.
+    """Return True if a finished motion of the arm was a swing.
+
+    A swing is a motion of the loaded arm by at least `errors.swing_from_mm`, in which casters and tyres
+    yield, so that the base turns. If that key is 0, every motion is a swing.
 
     Args:
         errors: errors of the robot's file.
@@ -23,7 +26,8 @@ def is_swing(errors: Errors, loaded: bool, start: FloatArray, end: FloatArray) -
 
 
 def swing_yaw(errors: Errors, seed: int, motion: int) -> float:
-    """Return the turn of the base to the left, in [rad], by a swing.
+    """Return the random angle by which a swing of the arm (see `is_swing`) turns the base to the left, in
+    [rad].
 
     Args:
         errors: errors of the robot's file.

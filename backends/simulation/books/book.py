@@ -27,10 +27,10 @@ CLOTH_MATERIALS = (
 
 @dataclass(eq=False, repr=False)
 class SimulatedBook(Thing):
-    """A book and its true pose.
+    """A simulated book and its true pose.
 
-    Its frame: origin at the foot of the spine, in its middle; x from the spine to the fore-edge, y to the
-    left as seen facing the spine, z up.
+    The book's frame has its origin at the foot of the spine, in the middle of the thickness; x points from
+    the spine to the fore-edge, y to the left as seen facing the spine, z up.
     """
 
     DENSITY = 700.0
@@ -57,17 +57,17 @@ class SimulatedBook(Thing):
 
     @property
     def material(self) -> Material:
-        """Material of its unprinted sides: cloth, in a colour of its own."""
+        """Material of the book's unprinted sides, a cloth whose colour depends on the accession number."""
         return CLOTH_MATERIALS[self.accession % len(CLOTH_MATERIALS)]
 
     @property
     def size(self) -> tuple[float, float, float]:
-        """Depth, thickness, height along x, y, z of its frame, in [m]."""
+        """Depth, thickness and height of the book, along x, y and z of its frame, in [m]."""
         return self.depth, self.thickness, self.height
 
     @property
     def carrier(self) -> str:
-        """Return the name of its shelf, or of another support."""
+        """Name of the shelf on which the book is, or of another support."""
         return self.shelf or super().carrier
 
     @property

@@ -17,18 +17,18 @@ MAX_LEAN_RAD = math.radians(45.0)  # a book that leans further slides down and l
 def lean_in_row(
     book: SimulatedBook, S_T_foot: Transform, row: Sequence[Member], wish: float
 ) -> Transform | None:
-    """Return the pose (4, 4) in the shelf frame S of a book released upright; None if it falls flat.
+    """Return the pose (4, 4) in the shelf frame S of a book after the fingers released it; None if it falls
+    flat.
 
-    Its foot is bowed, so it keeps the angle `wish` at which the fingers leave it; beyond the angle at which
-    its middle is above its edge it tips further. Either way its neighbours stop it: its upper edge meets a
-    higher neighbour, or it rests on the edge of a lower one. Neighbours do not move, and friction keeps its
-    foot in place.
+    A book keeps the angle `wish` at which the fingers leave it, unless its centre is beyond its lower edge:
+    then it tips further. In both cases it stops at a neighbour: its upper edge meets a higher neighbour, or
+    it leans on the edge of a lower one. Neighbours do not move, and friction keeps the foot in place.
 
     Args:
         book: released book.
         S_T_foot: (4, 4) pose of the book upright in its slot, in the shelf frame S.
         row: other members of the row.
-        wish: angle at which the fingers leave it, in [rad], positive to the left.
+        wish: angle at which the fingers leave the book, in [rad], positive to the left.
     """
     side = 1.0 if wish > 0.0 else -1.0
     stopped = _until_met(book, float(S_T_foot[1, 3]), row, side)

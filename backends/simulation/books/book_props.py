@@ -29,20 +29,20 @@ AWAKE_DISTANCE_M = 1.3  # books of shelves further from the hand than this sleep
 
 
 class BookProps(BooksThere):
-    """Books by their accession numbers, shelves by their names; a person hands books over.
+    """Books and shelves of a simulated world, with rules for gripping, inserting and releasing books.
 
-    How they differ from real ones without physics:
-    - Whether a book enters its slot is decided by a rule fitted to a physics engine
-      (`insertion.entry_chance`), once an entry; in the slot it aligns. Books that are pushed slide
-          straight
-      back against 3 N (10 N where an edge jams), and nothing stops them before the shelf's back.
+    A person hands books over. Without a physics engine, books differ from real ones:
+
+    - Whether a book enters its slot is decided once for each entry, by a rule fitted to a physics engine
+      (`insertion.entry_chance`); in the slot it aligns. Books that are pushed slide straight back against 3 N
+      (10 N if an edge jams), and nothing stops them before the shelf's back.
     - A book released at most 20 mm above a tray rests there upright. Above a board it is left leaning aside a
-      little (`errors.book_lean_deg`, and the hand's own tilt), beyond its edge it tips over; its
-          neighbours
-      stop it and do not give (`book_lean`). Otherwise it lies on the floor, or the board, lost.
+      little (`errors.book_lean_deg`, and the hand's own tilt). Beyond its edge it tips over; its neighbours
+      stop it and do not move (`book_lean`). In all other cases it falls flat onto the floor or the board, and
+      is lost.
 
-    In physics those in a row have square edges, those to be returned rounded leading ones (3 mm). Things
-    inside a shelf are painted dark.
+    In a physics engine, books in a row have square edges, and books to be returned have rounded leading edges
+    (3 mm). Things inside a shelf are painted dark.
     """
 
     PAINTS_SOLIDS = True
@@ -87,7 +87,7 @@ class BookProps(BooksThere):
         return thing.size[1]
 
     def fits(self, thing: Thing, pads: Pads) -> bool:
-        """Return whether closing pads grip the book at its covers, from in front of its spine."""
+        """Return True if closing pads would grip the book at its covers, from in front of its spine."""
         finger = pads.finger
         pose = inverse(pads.world_T_hand) @ thing.pose
         depth, thick, height = thing.size
@@ -97,8 +97,9 @@ class BookProps(BooksThere):
         return bool(inside and level and abs(y) + thick / 2 < pads.outer())
 
     def gripped(self, thing: Thing, pads: Pads) -> Transform:
-        """Return hand_T_thing (4, 4) of a gripped book: centred between the pads and aligned with the hand;
-        its x and z in the hand stay.
+        """Return the pose hand_T_thing (4, 4) that a book takes when the pads close on it.
+
+        It is centred between the pads and aligned with the hand; its x and z in the hand frame do not change.
         """
         before = inverse(pads.world_T_hand) @ thing.pose
         pitch = float(np.arctan2(-before[2, 0], before[0, 0]))

@@ -18,7 +18,7 @@ MAX_FALLEN_HEIGHT_M = 0.5  # [m] above the floor
 
 
 def book_rest(books: BooksThere, book: SimulatedBook) -> tuple[Rest, str | None]:
-    """Return the support of a book that is not held, and the name of the shelf if it is one."""
+    """Return the kind of support of a book in a physics engine, and the shelf's name if it is on a shelf."""
     for name, shelf in books.shelves.items():
         x, y, z = (shelf.inverse_pose @ book.pose)[:3, 3]
         on_board = (

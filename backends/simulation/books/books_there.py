@@ -28,7 +28,7 @@ MAX_SPINE_OFFSET_M = 0.003  # maximum distance of a spine from the board's front
 
 
 class Waiting(NamedTuple):
-    """Progress of a person who hands books over."""
+    """Number of books that the simulated person has handed over, and where and since when the robot rests."""
 
     given: int = 0
     """Number of books handed over so far."""
@@ -39,7 +39,7 @@ class Waiting(NamedTuple):
 
 
 class BooksThere(Props[BooksSection]):
-    """Books and shelves of a simulated world, before they move; `BookProps` adds gripping and falling."""
+    """Books of a simulated world by accession number, and shelves by name; `BookProps` adds their motion."""
 
     section = BooksSection
     STATE: ClassVar[Kinds] = {"books": dict[int, SimulatedBook], "to_come": list[BookSpec], "waits": Waiting}
@@ -58,7 +58,7 @@ class BooksThere(Props[BooksSection]):
         return [solid for shelf in spec.shelves for solid in SimulatedShelf(shelf).solids()]
 
     def set_up(self) -> None:
-        """Place the books of the world's shelves, spines not quite in line, and the book on the tray."""
+        """Create the books on the shelves, with spines slightly out of line, and the book on the tray."""
         for shelf in self.shelves.values():
             rng = keyed(self.seed, f"row of {shelf.name}")
             for spec, y in shelf.standing():
@@ -69,12 +69,12 @@ class BooksThere(Props[BooksSection]):
             self.set_on_tray(self.spec.tray)
 
     def set_on_tray(self, spec: BookSpec, number: int = 0) -> None:
-        """Put a book down on the tray as a person does, slightly off its place.
+        """Put a book down on the tray as a person does, with a random error of position and turn.
 
         Args:
             spec: the book.
-            number: number of the handed-over book, which decides the error of its place; 0: it was there at
-                first.
+            number: number of the handed-over book, which selects the random error; 0 for the book that is on
+                the tray at the start.
         """
         scene, errors = self.scene, self.scene.robot.errors
         dx, dy, turn = keyed(self.seed, f"tray {number}" if number else "tray").standard_normal(3)

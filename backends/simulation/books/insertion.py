@@ -21,7 +21,7 @@ LEAST_CLEARANCE = 0.0003
 
 @dataclass(frozen=True)
 class Entry:
-    """A held book's leading edge that has passed the front of the row."""
+    """State of a held book whose leading edge has passed the front of a row, with shelf, slot and success."""
 
     shelf: SimulatedShelf
     slot: FreeInterval
@@ -32,13 +32,14 @@ class Entry:
 def entry_chance(error: float, clearance: float) -> float:
     """Return the chance, from 0 to 1, that a book with chamfered edges enters its slot.
 
-    It is 1 below half the clearance plus the chamfer less 1 mm, and falls to 0 over the next 4 mm; fitted to
-    a physics engine (114 of 114 below 8 mm, none above 10 mm at 8 mm clearance).
+    The chance is 1 for an error below half the clearance plus the chamfer minus 1 mm, and falls to 0 over the
+    next 4 mm. It is fitted to a physics engine: with 8 mm clearance, 114 of 114 books entered with an error
+    below 8 mm, and none above 10 mm.
 
     Args:
         error: distance of the leading edge's middle from the slot's middle, in [m]: |lateral - 75 mm *
             sin(yaw)| of a book's middle.
-        clearance: width of the slot less the thickness of the book, in [m].
+        clearance: width of the slot minus the thickness of the book, in [m].
     """
     if clearance < LEAST_CLEARANCE:
         return 0.0
@@ -47,7 +48,7 @@ def entry_chance(error: float, clearance: float) -> float:
 
 
 class Entrance:
-    """Monitor of a held book's way in and out of slots; whether an entry succeeds is drawn once."""
+    """Detector of a held book that enters or leaves a slot; the success of an entry is drawn once."""
 
     def __init__(self, seed: int) -> None:
         self._seed = seed
@@ -62,11 +63,11 @@ class Entrance:
         edge: tuple[float, float, float],
         thickness: float,
     ) -> Entry | None:
-        """Return the entry after a motion; None outside a slot.
+        """Return the state of entry of the held book after a motion; None if it is not in a slot.
 
         Args:
-            entry: entry before the motion; None outside a slot.
-            shelf: shelf before the hand.
+            entry: state before the motion; None if the book was not in a slot.
+            shelf: shelf in front of the hand.
             row: members of the shelf's row, without the held book.
             edge: middle of the held book's leading edge in the shelf frame S: x and y in [m], and the book's
                 yaw in [rad].

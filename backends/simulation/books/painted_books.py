@@ -43,9 +43,13 @@ _SEES = 3.0  # shelves further away are painted without their books [m]
 
 
 def painted(books: BooksThere, rests: frozenset[Rest]) -> Iterator[Painted]:
-    """Yield shelves with their rows, each as a whole, or single books. Fallen ones are not shown.
+    """Yield the objects that a simulated camera shows: each shelf with its books, and books elsewhere.
 
-    Spines are printed; objects deep in a shelf are dark.
+    Fallen books are not shown. Spines are printed; objects deep in a shelf are dark.
+
+    Args:
+        books: books and shelves of the world.
+        rests: kinds of support whose books are shown.
     """
     if Rest.TABLE in rests:
         for shelf in books.shelves.values():
@@ -232,7 +236,10 @@ def _part(canvas: Canvas, book: SimulatedBook, span: tuple[float, float], light:
 
 @lru_cache(maxsize=512)
 def spine_levels(spec: BookSpec) -> list[tuple[ByteArray, float]]:
-    """Return a book's spine (h, w), grey, in falling resolution, each with the size of its pixels, in [m]."""
+    """Return grey pictures (h, w) of a book's spine, each of half the resolution of the one before.
+
+    Each picture is followed by the size of its pixels, in [m].
+    """
     shown = None if spec.tag == "none" else spec.accession
     picture = draw_spine(
         spec.thickness_mm,

@@ -10,8 +10,10 @@ WAITING_TIME_S = 1.0  # [s] that the robot is there with an empty tray and hand 
 
 
 class Person:
-    """Person who puts the next book onto the robot's tray when the robot is at its start again, with tray and
-    hand empty.
+    """Simulated person who puts the next book onto the robot's tray.
+
+    The person does so when the robot has been at rest near its initial pose, with tray and hand empty, for 1
+    s.
     """
 
     def __init__(self, books: BooksThere) -> None:
@@ -19,7 +21,7 @@ class Person:
         self._books, self._start = books, books.scene.base
 
     def step(self) -> None:
-        """Let a period pass, and hand over the next book if it is time."""
+        """Advance by one period: hand over the next book if the robot has waited for 1 s."""
         books, scene, waits = self._books, self._books.scene, self._books.waits
         if not books.to_come or not scene.robot.has_tray:
             return

@@ -20,17 +20,17 @@ _BELOW = 0.003
 
 
 def put_down(books: BooksThere, book: SimulatedBook, slot: FreeInterval | None, aside: float = 0.0) -> None:
-    """Drop a book from its current pose.
+    """Drop a book from its current pose, and set its new pose and support.
 
-    If a shelf's board or the tray carries its middle and is at most 20 mm below its foot, the book rests
-    there: on the board in line with its slot, leaning as far as its row allows, on the tray upright.
-    Otherwise it falls to the floor, or flat onto the board, and is lost to the robot.
+    If a shelf's board or the tray is below the book's middle, at most 20 mm below its foot, the book rests on
+    it: on the board in its slot, leaning as far as its neighbours allow; on the tray upright. Otherwise it
+    falls to the floor, or flat onto the board, and is lost to the robot.
 
     Args:
         books: books and shelves of the scene.
         book: book to drop.
-        slot: slot that the book was in; None without one.
-        aside: lean at which the fingers leave it, in [rad], positive to the left.
+        slot: slot that the book was in; None if it was not in a slot.
+        aside: angle at which the fingers leave the book leaning, in [rad], positive to the left.
     """
     scene = books.scene
     scene.changes += 1

@@ -21,10 +21,10 @@ _DEEP = 0.035  # behind the board's front edge [m]: further back than a book end
 
 
 class Member(NamedTuple):
-    """Book or panel in a row, by its bounds in the shelf frame S, in [m].
+    """A book, panel or book end in a row of books on a shelf, with its bounds in the shelf frame S, in [m].
 
-    `right` and `left` are bounds along y, `right` < `left`; `front` is the x of its spine, `top` the z of its
-    upper edge.
+    `right` and `left` are its bounds along y, with `right` < `left`; `front` is the x of its spine or front,
+    and `top` the z of its upper edge.
     """
 
     right: float
@@ -57,9 +57,9 @@ class FreeInterval(NamedTuple):
 
 
 class Pusher(NamedTuple):
-    """Front face that the hand pushes into a row of books, in the shelf frame S, in [m].
+    """Front face of the hand, or of a held book, that pushes into a row; in the shelf frame S, in [m].
 
-    It is at x = `lead`, and extends from `right` to `left` along y and from `low` to `high` along z.
+    The face is at x = `lead`, and extends from `right` to `left` along y and from `low` to `high` along z.
     """
 
     lead: float
@@ -72,8 +72,10 @@ class Pusher(NamedTuple):
 
 
 class Push(NamedTuple):
-    """Result of a push: x of the pusher's face in S in [m] (`lead`), size of the force on it in [N], names of
-    the members that it met.
+    """Position, force and pushed members when a face pushes a row.
+
+    `lead` is the x of the pusher's face in the shelf frame S, in [m]; `force` the size of the force on the
+    face, in [N]; `met` has the names of the row's members that the face met.
     """
 
     lead: float
@@ -82,7 +84,13 @@ class Push(NamedTuple):
 
 
 def members(books: BooksThere, shelf: SimulatedShelf, without: Thing | None) -> list[Member]:
-    """Return the row from right to left, the fixed parts included, `without` the book that the hand holds."""
+    """Return the members of a shelf's row from right to left: panels, book end, and books.
+
+    Args:
+        books: books and shelves of the scene.
+        shelf: shelf of the row.
+        without: book that is left out, because the hand holds it; None: no book.
+    """
     row = [Member(right, left, front, 0.35, None) for right, left, front in shelf.fixed_intervals()]
     row += [
         Member(*book.sides, book.front, book.book.height, book.book)
@@ -93,7 +101,10 @@ def members(books: BooksThere, shelf: SimulatedShelf, without: Thing | None) -> 
 
 
 def slots(row: Sequence[Member]) -> list[FreeInterval]:
-    """Return the free intervals between the members; deeper objects stop a book that is already inside."""
+    """Return the free intervals between the members of a row.
+
+    Objects deeper in the shelf than 35 mm do not bound an interval; they stop a book only when it is inside.
+    """
     before = [member for member in row if member.front < _DEEP]
     return [
         FreeInterval(a.left, b.right, min(a.front, b.front))
@@ -107,14 +118,15 @@ def push(
 ) -> Push:
     """Push a row with a face that is commanded from `start` to `pusher.lead`; move the books that yield.
 
-    Quasi-static: the arm is a spring of `ARM_STIFFNESS_N_M` behind its command, each book met resists with
-    its friction, a book at the shelf's back and the fixed parts don't move.
+    The motion is quasi-static. The arm is a spring with the stiffness `ARM_STIFFNESS_N_M` between command and
+    face. Each book that the face meets resists with its friction; books at the shelf's back, panels and book
+    end do not move.
 
     Args:
         books: books and shelves of the scene.
         shelf: shelf of the row.
         row: members of the row.
-        pusher: face of the hand, at its commanded place.
+        pusher: face that pushes, at its commanded position.
         start: x of the face in the shelf frame S before the motion, in [m].
     """
     met = [m for m in row if _meets(m, pusher, start)]

@@ -28,7 +28,7 @@ _FACING = np.cos(np.radians(30.0))
 
 
 class Front(NamedTuple):
-    """The shelf that the hand reaches into, its row, and the hand's pose (4, 4) in the shelf frame S."""
+    """A shelf in front of the hand, with its row, and the hand's pose (4, 4) in the shelf frame S."""
 
     shelf: SimulatedShelf
     row: list[Member]
@@ -36,10 +36,11 @@ class Front(NamedTuple):
 
 
 class RowRule(HandRule):
-    """Books in a row slide back where they are pushed, and their slot takes a held one in or jams it.
+    """Rule for contacts of the hand and a held book with a row of books on a shelf.
 
-    A held book in its slot yields sideways and aligns with the slot; the hand feels that. A book can be
-    pushed too far into the shelf: nothing but friction holds it.
+    Books in the row slide back where they are pushed. A held book either enters a slot or jams at its front.
+    In the slot it yields sideways and aligns with the slot, which exerts a force on the hand. A book can be
+    pushed too far into the shelf, because only friction holds it.
     """
 
     STATE: ClassVar[Kinds] = {
@@ -59,7 +60,7 @@ class RowRule(HandRule):
 
     @property
     def entered(self) -> tuple[str, FreeInterval, bool] | None:
-        """`entry` as a checkpoint keeps it, with the name of the shelf; None outside a slot."""
+        """Shelf's name, slot, and True if the book enters, for checkpoints; None if the hand is outside."""
         return None if self.entry is None else (self.entry.shelf.name, self.entry.slot, self.entry.admitted)
 
     @entered.setter
@@ -71,7 +72,7 @@ class RowRule(HandRule):
 
     @property
     def entries(self) -> int:
-        """Number of entries into slots so far: each has its own random draw."""
+        """Number of entries into slots so far, which selects the random draw of the next one."""
         return self._entrance.count
 
     @entries.setter
@@ -97,13 +98,15 @@ class RowRule(HandRule):
         return Met(joints) if self._front is None else self._stop_at_row(self._front, start, joints)
 
     def carry(self, thing: Thing, world_T_hand: Transform, start: FloatArray) -> FloatArray:
-        """Align a held book with its slot; return the slot's force (3,) on the hand, in the hand frame, in
-        [N].
+        """Align a held book with the slot that it is in.
 
         Args:
             thing: the held object.
             world_T_hand: (4, 4) pose of the hand.
             start: (n,) joints at the start of the period, in [rad] or [m].
+
+        Returns:
+            Force (3,) of the slot on the hand, in the hand frame, in [N]; zero outside a slot.
         """
         self.strain = 0.0
         if self.entry is None or not self.entry.admitted or not isinstance(thing, SimulatedBook):
@@ -125,8 +128,9 @@ class RowRule(HandRule):
         return np.asarray(world_T_hand[:3, :3].T @ shelf.pose[:3, :3] @ force)
 
     def room(self) -> float:
-        """Return the largest possible opening of the fingers, in [m]: neighbours in the row stop the fingers
-        once the tips are between them.
+        """Return the largest possible opening of the fingers, in [m]; infinity if nothing limits it.
+
+        Books in the row limit the opening if the fingertips are between them.
         """
         front, finger = self.front(self._scene.joints), self._scene.robot.finger_shape
         if front is None:
@@ -139,7 +143,7 @@ class RowRule(HandRule):
         return float(max(0.0, 2 * (min(left, right) - finger.thickness)))
 
     def gripped(self, thing: Thing) -> None:
-        """Handle a grasp: a book that is gripped in its slot is still in the slot."""
+        """Record a grasp: a book that is gripped on a shelf is in the state of entry of its slot."""
         if isinstance(thing, SimulatedBook) and thing.rest is Rest.TABLE and thing.shelf is not None:
             self.entry = self._slot_of(thing, self._books.shelves[thing.shelf])
 
@@ -150,7 +154,7 @@ class RowRule(HandRule):
         return slot
 
     def front(self, joints: FloatArray) -> Front | None:
-        """Return the shelf right before the hand; None if the hand does not point into one.
+        """Return the shelf in front of the hand, with its row; None if the hand does not point into a shelf.
 
         Args:
             joints: (n,) posture of the arm, in [rad] or [m].

@@ -26,10 +26,10 @@ _BOOK_END_FRONT = 0.03  # behind the board's front edge
 
 
 class SimulatedShelf:
-    """A shelf of the world file.
+    """A simulated shelf, as a world's file describes it.
 
-    Frame S: origin in the middle of the board's front edge, on its top; x points into the shelf, y left,
-    z up. The plinth below is closed, its front at x = 0.
+    Its frame S has the origin in the middle of the board's front edge, on top; x points into the shelf, y to
+    the left, z up. The plinth below the board is closed, with its front at x = 0.
     """
 
     def __init__(self, spec: ShelfSpec) -> None:
@@ -45,7 +45,7 @@ class SimulatedShelf:
         """y in S of the book end's left face, in [m]; it reaches to the right panel."""
 
     def standing(self) -> Iterator[tuple[BookSpec, float]]:
-        """Yield the books of the file, each with y in S of its middle, in [m]."""
+        """Yield the books on the shelf in the world's file, each with the y of its middle in S, in [m]."""
         left = self.half_width
         for entry in self.spec.books:
             if isinstance(entry, GapSpec):
@@ -55,7 +55,7 @@ class SimulatedShelf:
                 left -= entry.thickness_mm / 1e3
 
     def parts(self) -> dict[str, Box]:
-        """Return all that is solid but the books, posed in the world, by the part's name."""
+        """Return all solid parts of the shelf, without books, as boxes in the world, by name of the part."""
         half, outer = self.half_width, self.half_width + PANEL_THICKNESS_M
         low = min(self.spec.closed_from_m - self.spec.board_m, -BOARD_THICKNESS_M - BACK_THICKNESS_M)
         bounds = {
