@@ -38,7 +38,7 @@ OLD_PARTS = {
 
 
 class ChangingPart(Protocol):
-    """Base class of parts whose state changes during a run."""
+    """Base class of a backend's parts that have a state to save in checkpoints and to restore."""
 
     @property
     def STATE(self) -> Kinds:
@@ -46,10 +46,10 @@ class ChangingPart(Protocol):
 
 
 class SimulatedBackend(Backend):
-    """A robot among simulated things, with its parts, and the true poses of all of them.
+    """Base class of backends that simulate a robot, its base, arm and sensors, in a world with things.
 
-    A subclass gives the robot its parts when it is built, and lets periods pass in `step`. `scene` is
-    ground truth: only evaluation may read it.
+    A subclass creates the robot's parts when it is built, and simulates one control period in `step`.
+    `scene` has the true poses of the robot and all things: only evaluation may read it.
     """
 
     STATE: ClassVar[Kinds] = {"_periods": int}
@@ -80,7 +80,7 @@ class SimulatedBackend(Backend):
 
     @classmethod
     def with_start(cls, world: WorldFile, start: Pose2) -> WorldFile:
-        """Return the world with the robot at `start` (world_T_base) at first."""
+        """Return a copy of the world in which the robot starts at `start` (world_T_base)."""
         return world.model_copy(update={"start": floor_pose(start)})
 
     @classmethod
@@ -207,12 +207,12 @@ class SimulatedBackend(Backend):
 
 
 def build_scene(robot: RobotFile, world: WorldFile, seed: int) -> Scene:
-    """Return the world at its start, with the robot and the domains' objects as a person has put them there.
+    """Return the true state of a world at its start: the robot, and all objects where a person put them.
 
     Args:
         robot: robot file.
-        world: world as `load_world` returns it: the cells of its map are furniture.
-        seed: seed of a person's errors, and of all that the domains draw.
+        world: world as `load_world` returns it, with the occupied cells of its map as solid furniture.
+        seed: seed of a person's errors of placement, and of all random numbers of the objects.
     """
     assert world.map is None, "load_world puts what the map shows among the furniture"
     named = world.model_fields_set - WorldFile.model_fields.keys()

@@ -16,7 +16,7 @@ from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 
 class HullMesh(NamedTuple):
-    """A convex hull as a mesh, its scale applied."""
+    """Convex hull of a collision mesh, as triangles; the scale in the URDF is already applied."""
 
     points: FloatArray
     """Corners (n, 3) in the mesh's frame, in [m]."""
@@ -36,7 +36,7 @@ FLOOR_CLEARANCE_M = 0.01
 
 
 class HullUrdf(NamedTuple):
-    """A URDF whose collision meshes are hulls."""
+    """URDF whose collision meshes were replaced by their convex hulls, and these hulls."""
 
     text: str
     """The URDF, in which each collision mesh has a hull's name as its `filename`, and no scale."""

@@ -16,7 +16,10 @@ class NoWheels(InputError):
 
 
 class DrivenWheels(NamedTuple):
-    """Names of the driven wheels' joints, also those of their links. All wheels of a side turn together."""
+    """Names of the driven wheels on each side; a wheel's joint and its link have the same name.
+
+    All wheels of a side turn together.
+    """
 
     left: tuple[str, ...]
     """`left_wheel`, or several: `left_front_wheel`, `left_rear_wheel`."""

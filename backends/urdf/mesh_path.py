@@ -52,7 +52,7 @@ def _place(name: str, urdf: Path, root: Path) -> Path:
 
 
 def is_mesh(path: Path) -> bool:
-    """Return whether a path is a regular file, and no larger than a mesh may be."""
+    """Return whether a path is a regular file of at most `MAX_MESH_BYTES`."""
     try:
         status = path.stat()
     except (OSError, ValueError):

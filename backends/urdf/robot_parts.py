@@ -29,7 +29,7 @@ KeyPath = tuple[str | int, ...]
 
 
 class UrdfError(ValueError):
-    """A URDF of a robot's file is missing, or can't be put where the file says."""
+    """Error for a URDF that is missing, or that cannot be mounted where the robot's file says."""
 
     def __init__(self, wrong: str, key: KeyPath | None = None) -> None:
         self.key = key
@@ -70,13 +70,17 @@ class PartSpec(FileModel):
     """Prefix of the names of the part's links and joints, needed where two parts share a name."""
 
     def part(self, text: str) -> Part:
-        """Return the part that these keys describe, with the URDF's text."""
+        """Convert these keys of a robot's file to a part to be mounted.
+
+        Args:
+            text: text of the part's URDF.
+        """
         roll, pitch, yaw = (math.radians(angle) for angle in self.rpy_deg)
         return Part(text, self.onto, self.xyz_m, (roll, pitch, yaw), self.prefix)
 
 
 class ReadPart(NamedTuple):
-    """A URDF that was read and found free of faults that prevent its use."""
+    """Text of a URDF without grave faults, with the place of its elements and its minor faults."""
 
     file: str
     text: str
@@ -221,7 +225,7 @@ _PACKAGES = "an installed Python package, or one in AMENT_PREFIX_PATH, ROS_PACKA
 
 
 class UrdfText(NamedTuple):
-    """A URDF that can be used."""
+    """Text of a URDF without grave faults, and the minor faults found in it."""
 
     text: str
     doubts: Sequence[Finding]

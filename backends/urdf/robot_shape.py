@@ -21,11 +21,11 @@ _LEVEL = 1e-6
 
 
 class MissingShape(InputError):
-    """The URDF has no usable shape for tray or fingers."""
+    """Error for a robot's URDF that has no usable box for the tray or the fingers."""
 
 
 class TrayShape(NamedTuple):
-    """The tray: a level box, its sides along those of the base; dimensions in the base frame, in [m]."""
+    """Shape of the robot's tray, a level box with sides along the axes of the base frame, in [m]."""
 
     middle: tuple[float, float]
     """x and y of the tray's middle in the base frame, in [m]."""
@@ -41,7 +41,7 @@ class TrayShape(NamedTuple):
 
 
 class FingerShape(NamedTuple):
-    """A finger: a box along the x axis of the frame `hand`; dimensions in that frame, in [m]."""
+    """Shape of each finger of the gripper, a box along the x axis of the frame `hand`, in [m]."""
 
     tip: float
     """x of the finger's tip in the hand frame, in [m]."""
@@ -69,10 +69,10 @@ def tray_shape(arm: ArmModel) -> TrayShape:
 
 
 def body_height(urdf_text: str) -> float:
-    """Return the height of the top of the link `base` above the floor, in [m], without things mounted on
-    it.
+    """Return the height of the base's top above the floor, in [m], without parts mounted on it.
 
-    Makers often have a frame on the floor as `base`; then the bodies fixed next to it count.
+    The top is that of the bodies of the link `base`. If that link has no body, as in many makers' URDFs, it
+    is the top of the bodies on the links fixed to `base`.
     """
     bodies, joints, links = bodies_of(urdf_text), link_joints(urdf_text), {"base"}
     moving = {item.name for item in joints_of(urdf_text)}

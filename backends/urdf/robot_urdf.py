@@ -22,7 +22,7 @@ Pair = tuple[str, str]
 
 
 class SourcePlace(NamedTuple):
-    """Position in a maker's file; line and column count from 1."""
+    """Position of an element in a maker's URDF file; line and column count from 1."""
 
     file: str
     line: int
@@ -35,7 +35,7 @@ class SourcePlace(NamedTuple):
 
 @dataclass(frozen=True)
 class RobotUrdf:
-    """One robot from several URDFs."""
+    """URDF of a robot, composed of the URDFs of its parts, with the origin of each link and joint."""
 
     text: str
     """The URDF; meshes named by absolute paths, links and joints as the robot's file maps them."""
@@ -49,22 +49,22 @@ class RobotUrdf:
     """Faults in the URDFs that do not prevent their use."""
 
     def finding(self, kind: str, name: str, message: str) -> Finding | None:
-        """Return a finding at the place of a link or joint; None for one that no URDF contains.
+        """Return a finding at the place of a link or joint in its maker's URDF; None if no URDF has it.
 
         Args:
             kind: "link" or "joint".
-            name: its name in `text`.
-            message: what is wrong; what is allowed.
+            name: name of the link or joint in `text`.
+            message: message of the finding, what is wrong and what is allowed.
         """
         place = self.places.get((kind, name))
         return None if place is None else place.finding(f"{kind} {name!r}: {message}")
 
     def remark(self, kind: str, name: str, message: str) -> str:
-        """Return a remark about a link or joint as text, with its place in a URDF if it has one.
+        """Return a remark about a link or joint as text, preceded by its place in a URDF if known.
 
         Args:
             kind: "link" or "joint".
-            name: its name in `text`.
+            name: name of the link or joint in `text`.
             message: text of the remark.
         """
         return str(self.finding(kind, name, message) or f"{kind} {name!r}: {message}")
@@ -78,7 +78,7 @@ def robot_urdf(
     allowed: Sequence[Pair],
     still: Mapping[str, float] | None = None,
 ) -> RobotUrdf:
-    """Put a robot together as its file says.
+    """Compose the URDF of a robot from the URDFs of its parts, as the robot's file describes.
 
     Args:
         specs: the robot's own URDF, then its further parts.

@@ -39,7 +39,9 @@ MAX_TAG_MM = 40.0
 
 
 def write_activity(definition: Definition, room: Room, folder: Path, robot: str) -> list[Path]:
-    """Write world, map, places, objects, activity and task into a folder; return their paths.
+    """Write the files of an activity into a folder: world, map, places, objects, definition and task.
+
+    Return the paths of the files.
 
     Raises:
         OSError: the folder can't be written.
@@ -64,7 +66,7 @@ def write_activity(definition: Definition, room: Room, folder: Path, robot: str)
 
 
 def floor_levels(room: Room) -> list[tuple[Piece, FurnitureLevel]]:
-    """Return the areas of the floor that things are on at the start or at the end, each with its piece."""
+    """Return the areas of the floor that carry things, each with its floor or the furniture behind it."""
     return [(piece, level) for piece in room.pieces for level in piece.levels() if level.height <= 0.0]
 
 

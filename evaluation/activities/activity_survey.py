@@ -26,10 +26,10 @@ FOOT_M = 0.006  # of a foot over its surface
 
 
 class ActivitySurvey(Survey):
-    """Survey of the end of a run by the activity's definition, and by the surfaces that things belong on.
+    """Evaluation of the end of a run of a BEHAVIOR-1K activity by two independent verdicts.
 
-    The two verdicts are independent: ours compares the true place of each moved thing with the surfaces that
-    the task names; that of BEHAVIOR-1K evaluates the goal by relations between bodies.
+    Our verdict compares the true place of each moved thing with the surfaces that the task names for it.
+    BEHAVIOR-1K's verdict evaluates the activity's goal in BDDL, by relations between bodies.
     """
 
     name = "activities"
@@ -53,16 +53,14 @@ class ActivitySurvey(Survey):
 
     @override
     def faults(self) -> list[str]:
-        """Return a message for each misplaced thing, and for each condition that the other evaluator
-        denies.
-        """
+        """Return a message for each misplaced thing, and for each BDDL condition that does not hold."""
         wrong, theirs = list(self.misplaced()), self._verdict()
         if isinstance(theirs, Verdict) and not theirs.holds:
             wrong += [f"bddl: not so: {text}" for text in theirs.unsatisfied]
         return wrong
 
     def misplaced(self) -> Iterator[str]:
-        """Yield a message for each moved thing that is not on one of its surfaces."""
+        """Yield a message for each moved thing that is not on a surface that the task names for it."""
         file = _file(self.run)
         things = {item.name: item for item in self.run.world.things()}
         for name, surfaces in (file.goal if file else {}).items():

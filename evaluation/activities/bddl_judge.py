@@ -18,7 +18,7 @@ PREDICATES: Mapping[str, Callable[[TrueThing, TrueThing], bool]] = {
 
 
 class Verdict(NamedTuple):
-    """Result of an evaluation."""
+    """Whether the conditions of an activity hold, and those that do not."""
 
     holds: bool
     unsatisfied: tuple[str, ...]

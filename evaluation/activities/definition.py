@@ -30,7 +30,7 @@ class NoBddl(InputError):
 
 @dataclass(frozen=True)
 class Definition:
-    """Things, initial state and goal of an activity, and the text that they were read from."""
+    """BEHAVIOR-1K activity: its things, initial state and goal, and the BDDL text they were read from."""
 
     name: str
     instance: int
@@ -44,15 +44,15 @@ class Definition:
     """The `bddl.activity.Conditions`."""
 
     def category(self, term: str) -> str:
-        """Return the category of an instance."""
+        """Return the category of a thing, such as `book.n.02` for the term `book.n.02_1`."""
         return next(category for category, terms in self.terms.items() if term in terms)
 
     def finding(self, words: Iterable[str], message: str) -> Finding:
-        """Return a finding at the place in the definition's text that it concerns.
+        """Return a finding at the place of some words in the definition's text.
 
         Args:
-            words: words that follow each other there, such as a condition; without such a place, the finding
-                is at the first line.
+            words: words in their order in the text, such as a condition; if the text does not have them, the
+                finding is at the first line.
             message: text of the finding.
         """
         pattern = r"[\s()?]+".join(re.escape(word) for word in words)

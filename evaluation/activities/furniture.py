@@ -24,7 +24,7 @@ SEGMENT_M = 0.62
 
 
 class FurniturePart(NamedTuple):
-    """A solid box of a piece of furniture."""
+    """Solid box of a piece of furniture, such as a board or a wall."""
 
     name: str
     x: float
@@ -76,7 +76,7 @@ class Piece:
     """Number of parts of the area `front`."""
 
     def parts(self) -> Iterator[FurniturePart]:
-        """Yield the solid boxes of the piece; a box that carries things has the name of its surface."""
+        """Yield the solid boxes of the piece; a box that carries things is named as its upper surface."""
         width, depth, height = self.entry.size_m
         for level in self.levels():
             if level.thickness > 0.0:

@@ -12,10 +12,9 @@ from .thing_table import CarriedEntry, FurnitureEntry
 
 
 class GoalOption:
-    """One of several alternative ways to the goal of an activity, as conditions that hold together at the
-    end.
+    """Set of conditions that must hold together at the end, one of several alternatives for a goal.
 
-    `add` takes the conditions one by one; `moves` then returns what has to be moved.
+    `add` takes the conditions one by one; `moves` then returns the things that have to be moved, and where.
     """
 
     def __init__(
@@ -36,7 +35,7 @@ class GoalOption:
         """Conditions that can't be reached by moves of single things."""
 
     def add(self, literal: Literal) -> None:
-        """Add a condition; report it in `wrong` if moves of single things cannot reach it."""
+        """Add a goal condition; add a finding to `wrong` if moving things one by one cannot fulfil it."""
         if is_support(self._definition, literal):
             if self._supports.get(literal[1], literal[2]) != literal[2]:
                 self._report(literal, f"{literal[1]} is furniture, which isn't carried")
@@ -54,7 +53,7 @@ class GoalOption:
                     self._report(literal, f"{found.thing} would have to be in two places")
 
     def moves(self) -> list[ThingRelation]:
-        """Return the final relation of each thing that is elsewhere at first.
+        """Return the final relation to furniture of each thing that must be moved to reach the goal.
 
         Conditions that contradict each other are reported in `wrong`.
         """

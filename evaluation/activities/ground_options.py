@@ -9,9 +9,10 @@ from .definition import Definition, Literal
 
 
 def ground_options(definition: Definition) -> Iterator[list[Literal]]:
-    """Yield alternative ways to the goal, each as ground literals; `bddl` lists only a few of many.
+    """Yield alternative sets of conditions that fulfil an activity's goal, each as ground literals.
 
-    Nothing is yielded for a goal that cannot be reached in any way.
+    A ground literal names instances, without variables. If there are many alternatives, the package `bddl`
+    lists only a few. Nothing is yielded for a goal that cannot be fulfilled.
     """
     from bddl.activity import get_goal_conditions, get_ground_goal_state_options, get_object_scope
 

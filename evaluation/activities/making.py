@@ -32,7 +32,7 @@ class MadeActivity:
     """Factors of the widths that were made narrower, by term."""
 
     def words(self) -> Iterator[str]:
-        """Yield lines of text for people: what was written where, and how to run it."""
+        """Yield lines of text for people: what was written where, and how to run the activity."""
         count, pieces = len(self.room.at_end), ", ".join(piece.name for piece in self.room.pieces)
         yield f"{self.definition.name}: {count} things to move, in a room with {pieces}; in {self.folder}"
         for term, factor in self.scaled.items():
@@ -65,7 +65,9 @@ def make(
 def plan_activity(
     name: str, instance: int, robot: str, scale: bool
 ) -> tuple[Definition, Room, Mapping[str, float]]:
-    """Return an activity's definition, its room, and the width factors of narrower things, by term.
+    """Return an activity's definition, its room, and the width factor of each narrowed thing.
+
+    The factors are by the things' terms in the definition, such as `book.n.02_1`.
 
     Args:
         name: name of the activity.

@@ -30,7 +30,7 @@ Extent = tuple[float, float, float, float]
 
 
 class PlacedPieces(NamedTuple):
-    """Pieces of furniture at their places in a room."""
+    """Pieces of furniture with their poses in a room, and the size of the room."""
 
     width: float
     """Width of the room along x, in [m]; its depth along y is `DEPTH_M`."""

@@ -17,7 +17,7 @@ from .thing_table import thing_table
 
 @dataclass(frozen=True)
 class ActivityRelations:
-    """Initial state of an activity, and the moves that lead to its goal."""
+    """Initial relations of an activity's things to furniture, and the moves that lead to its goal."""
 
     initial: tuple[ThingRelation, ...]
     moves: tuple[ThingRelation, ...]
@@ -26,7 +26,10 @@ class ActivityRelations:
     """Term of the support of each piece of furniture, by term of the piece, if the definition states it."""
 
     def terms(self) -> list[str]:
-        """Return all furniture and floors that something is on, in or next to, in a fixed order."""
+        """Return the terms of all furniture and floors that have things on, in or next to them.
+
+        The order is fixed.
+        """
         things = {item.thing for item in self.initial}
         found: dict[str, None] = {}
         for item in (*self.initial, *self.moves):
@@ -41,16 +44,16 @@ class ActivityRelations:
         return list(found)
 
     def stands_on_furniture(self, term: str) -> bool:
-        """Return whether a piece is on another one, not on a floor."""
+        """Return whether a piece of furniture is on another piece instead of a floor."""
         below = self.supports.get(term)
         return below is not None and not is_floor(below)
 
 
 def relations_of(definition: Definition) -> ActivityRelations:
-    """Return the relations of a definition.
+    """Return the initial relations and the moves of an activity.
 
     Raises:
-        FileError: the activity needs things that our worlds or robots do not have; lists all of them.
+        FileError: the activity needs things that our worlds or robots do not have; it lists all of them.
     """
     found = list(_unknown_things(definition))
     initial: list[ThingRelation] = []

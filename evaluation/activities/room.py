@@ -19,7 +19,7 @@ from .thing_table import CarriedEntry
 
 @dataclass(frozen=True)
 class Room:
-    """Furniture along two walls, with a slot for each thing at first and at the end."""
+    """Room of an activity: furniture along two walls, with the pose of each thing at first and at the end."""
 
     width: float
     """Width of the room along x, in [m]; its depth along y is `DEPTH_M`."""
@@ -51,7 +51,7 @@ def furnish(definition: Definition, relations: ActivityRelations, sizes: Mapping
         sizes: sizes of the carried things, by term; some may have been scaled.
 
     Raises:
-        FileError: a piece of furniture has too little room for what belongs there.
+        FileError: a piece of furniture has too little room for the things on, in or next to it.
     """
     names = names_of(definition, [*relations.terms(), *sizes])
     placed = place_pieces(definition, relations, names, sizes)

@@ -25,7 +25,7 @@ MIN_BEFORE_M, MAX_BEFORE_M = 0.05, 0.12  # between a thing and what it is before
 
 
 class ThingSlot(NamedTuple):
-    """A place for a thing on a level of a piece."""
+    """Pose for a thing on one surface of a piece of furniture."""
 
     level: FurnitureLevel
     pose: Pose2
@@ -33,7 +33,7 @@ class ThingSlot(NamedTuple):
 
 
 class FoundSlots(NamedTuple):
-    """Slots on a piece, and the reasons why it has too few."""
+    """Poses found for things on a piece of furniture, and findings if its surfaces are too small."""
 
     slots: dict[ThingRelation, ThingSlot]
     findings: list[Finding]
@@ -46,7 +46,9 @@ def slots_on(
     here: Sequence[ThingRelation],
     sizes: Mapping[str, CarriedEntry],
 ) -> FoundSlots:
-    """Return a slot for each thing at a piece, in rows with equal gaps.
+    """Return a slot, the pose on a surface, for each thing at a piece of furniture.
+
+    The slots are in rows with equal gaps.
 
     Args:
         definition: the activity.
@@ -84,23 +86,28 @@ def _nearest(piece: Piece, levels: Sequence[FurnitureLevel], slot: ThingSlot) ->
 
 
 def least_gap(piece: Piece) -> float:
-    """Return the least gap between things at a piece, in [m]."""
+    """Return the smallest allowed gap between things on or in a piece of furniture, in [m]."""
     return MIN_BOX_GAP_M if piece.entry.form in ("box", "tray") else MIN_GAP_M
 
 
 def next_gap(one: CarriedEntry, other_size: Sequence[float]) -> float:
-    """Return the gap in [m] with which things are next to each other with some margin.
+    """Return a gap in [m] at which two things count as next to each other: 75 % of the largest such gap.
 
     Args:
-        one: a thing.
-        other_size: size of the other one along x, y and z, in [m].
+        one: size of one thing.
+        other_size: size of the other thing along x, y and z, in [m].
     """
     mean = (sum(one.size_mm) / 1e3 + sum(other_size)) / 3
     return NEXT_SHARE * NEAR_SHARE * mean
 
 
 def before_gap(thing: CarriedEntry, size: Sequence[float]) -> float:
-    """Return the gap between a thing and the piece of furniture of this size behind it, all in [m]."""
+    """Return the gap to leave between a thing and the piece of furniture behind it, in [m].
+
+    Args:
+        thing: size of the thing.
+        size: size of the piece of furniture along x, y and z, in [m].
+    """
     return min(MAX_BEFORE_M, next_gap(thing, size))
 
 

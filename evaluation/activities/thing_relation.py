@@ -36,7 +36,7 @@ def entry_of(definition: Definition, term: str) -> CarriedEntry | FurnitureEntry
 
 
 def is_floor(term: str) -> bool:
-    """Return whether a term is a floor, a lawn or the like."""
+    """Return whether a term of BDDL, such as `floor.n.01_1`, names a floor, a lawn or the like."""
     entry = thing_table().furniture.get(term.rpartition("_")[0])
     return entry is not None and entry.form == "floor"
 
@@ -53,9 +53,11 @@ def is_support(definition: Definition, literal: Literal) -> bool:
 
 
 def relation_of(definition: Definition, literal: Literal) -> ThingRelation | Finding | None:
-    """Return the relation that a literal states, or a finding if our worlds cannot have it.
+    """Return the relation of a thing to furniture that a literal states.
 
-    None for a literal about the robot, or about a thing of unknown size, which is reported elsewhere.
+    Returns:
+        The relation, or a finding if our simulated worlds cannot have it. None for a literal about the robot
+        or about a thing of unknown size, for which the caller reports a finding.
     """
     predicate, *terms = literal
     if predicate not in FORMS_OF or len(terms) != 2:

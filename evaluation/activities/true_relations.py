@@ -60,7 +60,7 @@ class TrueThing:
 
 
 def is_on_top(upper: TrueThing, lower: TrueThing) -> bool:
-    """Return whether `upper` touches `lower`, and `lower` is below it but not above it as well."""
+    """Return whether two things touch, and `lower` is below `upper` without a part above `upper`."""
     if not is_touching(upper, lower):
         return False
     below, above = _vertical_starts(upper)
@@ -68,7 +68,10 @@ def is_on_top(upper: TrueThing, lower: TrueThing) -> bool:
 
 
 def is_under(lower: TrueThing, upper: TrueThing) -> bool:
-    """Return whether `upper` is above `lower`, but not below it as well, and `lower` is not above `upper`."""
+    """Return whether `upper` is above `lower`.
+
+    It is not if `upper` also has a part below `lower`, or `lower` a part above `upper`.
+    """
     below, above = _vertical_starts(lower)
     _, over = _vertical_starts(upper)
     return upper.is_hit(above, UP) and not upper.is_hit(below, -UP) and not lower.is_hit(over, UP)
@@ -91,8 +94,8 @@ def is_inside(inner: TrueThing, outer: TrueThing) -> bool:
 
 
 def is_next_to(one: TrueThing, other: TrueThing) -> bool:
-    """Return whether the gap between two things is small relative to their sizes, and one is in a level
-    direction from the other.
+    """Return whether the gap between two things is small relative to their sizes, and one is level with the
+    other.
     """
     (low, high), (other_low, other_high) = one.extent, other.extent
     apart = np.maximum(0.0, np.maximum(low, other_low) - np.minimum(high, other_high))

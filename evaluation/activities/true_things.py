@@ -22,7 +22,7 @@ FLOOR = Box(transform((0.0, 0.0, -0.5)), (1000.0, 1000.0, 1.0), "floor")
 
 
 def true_things(definition: Definition, file: ActivityFile, scene: Scene) -> Mapping[str, TrueThing]:
-    """Return the true state of each thing that the world has."""
+    """Return the true bodies of an activity's things, floors and robot, by their terms in the definition."""
     solids = {solid.box.name: solid.box for solid in scene.solids}
     bodies = {thing.name: thing.box() for thing in scene.things()}
     found: dict[str, TrueThing] = {}

@@ -22,9 +22,9 @@ READ_KINDS = (*READING_KINDS, "std_msgs/String", "tf2_msgs/TFMessage")
 
 
 class BagLink(Link):
-    """Connection to the topics of a bag; commands are discarded, and their acceptance is unknown.
+    """Connection to the topics of a recorded ROS bag instead of a robot; it discards commands.
 
-    Its clock is that of the recording, and passes with `pass_time`.
+    Its clock is that of the recording; `pass_time` advances it.
     """
 
     def __init__(self, path: Path, namespace: str = "") -> None:

@@ -11,7 +11,10 @@ from .bag_link import BagLink
 
 
 class PlayedBag(OtherEnd):
-    """Recorded drivers, whose time passes with the steps of the program; they obey no command."""
+    """Other end of a ROS connection that replays a robot's recorded messages and ignores all commands.
+
+    The recording advances with the program's control periods.
+    """
 
     def __init__(self, link: BagLink, period: float) -> None:
         """Play a bag; `period` is that of the control, in [s]."""

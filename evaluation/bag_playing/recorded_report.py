@@ -16,7 +16,7 @@ PASS_S = 0.01
 
 
 def recorded_report(robot: RobotFile, spec: RosSpec, path: Path, seconds: float) -> AirReport:
-    """Play a bag, and return where it differs from the robot's file.
+    """Play a recorded ROS bag, and report where its topics differ from the robot's file.
 
     Args:
         robot: the robot's file.

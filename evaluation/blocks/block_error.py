@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class BlockError(NamedTuple):
-    """Error of one block in the frame of its goal, goal minus actual (eq. 14), in [mm]."""
+    """Error of one block in its goal's frame, goal minus actual, in [mm] (Hatano et al. 2000, eq. 14)."""
 
     number: int
     x: float
@@ -32,5 +32,8 @@ class BlockError(NamedTuple):
 
     @property
     def processed(self) -> float:
-        """Larger error along x or y without the base's turn and tilt since the fixation (eq. 12), in [mm]."""
+        """Larger absolute error along x or y, in [mm], without the effects of the base's turn and tilt.
+
+        Turn and tilt are those since the base was located by a landmark (Hatano et al. 2000, eq. 12).
+        """
         return max(abs(self.processed_x), abs(self.processed_y))

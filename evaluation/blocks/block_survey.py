@@ -31,7 +31,7 @@ FALLEN_MM = 30.0  # further away from its goal a block counts as not placed
 
 
 class BaseAttitude(NamedTuple):
-    """True heading and tilt of the base in a simulated world."""
+    """True heading and tilt of the base in a simulated world, in [rad]."""
 
     heading: float
     lean: tuple[float, float]
@@ -120,7 +120,7 @@ class BlockSurvey(Survey):
         self._frames, self._uncorrected = noted.frames, noted.uncorrected
 
     def errors(self) -> list[BlockError]:
-        """Return the errors of all blocks that are near their goals."""
+        """Return the errors of all blocks on a table within `FALLEN_MM` of their goals."""
         found = []
         for number, goal in enumerate(self.plan.goals if self.plan else (), start=1):
             block = self._props.blocks.get(str(number))
@@ -148,8 +148,9 @@ class BlockSurvey(Survey):
         return result
 
     def faults(self) -> list[str]:
-        """Return a message for each block that is not near its goal, as the Success of a complete run
-        claims.
+        """Return a message for each block that is more than `STACKED_MM` from its goal, or missing there.
+
+        Each contradicts the Success of a complete run.
         """
         goals, errors = len(self.plan.goals) if self.plan else 0, self.errors()
         far = [

@@ -24,7 +24,8 @@ def draw_stacking_errors(
         errors: errors of the placed blocks.
         target: file to write.
         limit_mm: maximum allowed error.
-        processed: True to subtract the effect of the base's turn and tilt as well (eq. 12).
+        processed: True to plot also the errors without the effect of the base's turn and tilt (Hatano et al.
+            2000, eq. 12).
 
     Raises:
         OSError: the file cannot be written.

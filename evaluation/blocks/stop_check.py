@@ -29,11 +29,11 @@ block.
 
 
 def block_facts(task: Task) -> dict[str, Any]:
-    """Return what the arm reaches from each place at which the base is located by a landmark.
+    """Describe which blocks the arm reaches from each of the base's stops, places located by a landmark.
 
     Returns:
-        A text for each place, by `stop NAME`; empty for a task that handles no blocks. If the robot cannot do
-            this work at all, only `stops` with the reason.
+        A text for each stop, by `stop NAME`; empty for a task that handles no blocks. If the robot cannot
+            handle blocks at all, only the key `stops` with the reason.
     """
     blocks = task.knowledge.sections.get("blocks")
     plan = blocks.building if isinstance(blocks, Blocks) else None

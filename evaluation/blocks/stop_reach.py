@@ -40,7 +40,7 @@ compile_early(screw_table, SCREW_TABLE_TYPES, __name__)
 
 
 class StopReach:
-    """Reach of one robot at blocks of one size."""
+    """Model of where one robot's arm can pick up and put down blocks of one size without collision."""
 
     def __init__(self, spec: RobotFile, block: tuple[float, float, float]) -> None:
         """Prepare a robot.
@@ -67,12 +67,11 @@ class StopReach:
         self._open = arm.with_others({"left_finger": width, "right_finger": width})
 
     def stops(self, landmarks: Sequence[LevelPose]) -> StopPlacer:
-        """Return a placer of the base's stops, each with one of these landmarks in the camera's sight."""
+        """Return a search for poses of the base from which the camera sees one of the given landmarks."""
         return StopPlacer(self.placer, [partial(self._sight, mark) for mark in landmarks])
 
     def goal(self, place: LevelPose) -> Goal:
-        """Return the hand's work at a block: poses by which it approaches from above, and one that looks at
-        the block.
+        """Return the poses that the hand has to reach at a block: the approach from above, and a view of it.
 
         Args:
             place: pose of the block, on the map.
@@ -108,7 +107,7 @@ class StopReach:
         return ""
 
     def body(self, place: LevelPose, name: str) -> Box:
-        """Return the body of a block, called `name`, at a pose on the map."""
+        """Return a block as a box named `name`, at a pose on the map."""
         return place.body(self._block, name)
 
     def _sight(self, mark: LevelPose, heading: float) -> ToolPath:

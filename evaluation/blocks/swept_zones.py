@@ -21,11 +21,10 @@ Zone = tuple[float, float, float, float, float]
 
 
 def swept_zones(spec: RobotFile, things: Sequence[Box]) -> list[Zone]:
-    """Return zones for a base of the footprint's width that keep the robot, in its posture `home`, off
-    things.
+    """Return a keepout zone around each thing, so that the arm in the posture `home` cannot touch it.
 
-    A body that reaches less far than the footprint at a thing's height may come nearer: its zone is
-    smaller by that much.
+    The zones are for planning with the base's footprint. Where the robot's bodies at a thing's height reach
+    less far than the footprint, the thing's zone is smaller by the difference.
 
     Args:
         spec: robot file.

@@ -31,7 +31,7 @@ MIN_STOP_GAIN = 0.3  # scores of blocks that one more stop has to gain
 
 
 class NamedStop(NamedTuple):
-    """A stop of the base."""
+    """Place at which the base stops to fetch or lay blocks, with its landmark and its reach score."""
 
     name: str
     pose: Pose2
@@ -57,7 +57,7 @@ class NamedStop(NamedTuple):
 
 
 class Trip(NamedTuple):
-    """Blocks fetched and laid in one go."""
+    """Blocks that the robot fetches at one stop, carries together, and lays at another stop."""
 
     fetched_at: NamedStop
     laid_at: NamedStop
@@ -66,7 +66,7 @@ class Trip(NamedTuple):
 
 
 class WallPlan(NamedTuple):
-    """Plan of a wall's construction."""
+    """Plan by which a robot builds a wall of blocks: their order, the base's stops, and keepout zones."""
 
     drawing: Drawing
     blocks: tuple[DrawnBlock, ...]
@@ -80,7 +80,7 @@ class WallPlan(NamedTuple):
 
     @property
     def trips(self) -> list[Trip]:
-        """Return trips from one stop to another, each with at most the blocks that the robot carries."""
+        """Trips from one stop to another, each with at most as many blocks as the robot can carry."""
         found = []
         numbers = range(1, len(self.blocks) + 1)
         for (fetched, laid), group in groupby(
@@ -102,8 +102,8 @@ def plan_wall(loaded: Loaded[Drawing], spec: RobotFile, grid: GridMap) -> WallPl
         grid: the map.
 
     Raises:
-        FileError: the wall can't be built: which blocks, and why.
-        Discrepancy: the robot lacks something.
+        FileError: blocks of the wall cannot be laid; the message says which, and why.
+        Discrepancy: the robot lacks arm, gripper or camera.
     """
     found = list(wall_findings(loaded))
     if found:

@@ -24,7 +24,7 @@ Span = tuple[float, float] | None
 
 @dataclass(frozen=True)
 class GraspRow:
-    """Range in which the hand, upright and pointing ahead, can hold a book at some height."""
+    """Range in which the hand, upright and pointing ahead, can hold a book on a board of one height."""
 
     board_m: float
     """Height of the surface under the book."""
@@ -37,8 +37,11 @@ class GraspRow:
 
 
 def book_facts(robot: RobotFile, reach: HandReach | None) -> DomainFacts:
-    """Return where the hand of a robot with a tray can hold books, and what the robot lacks to return
-    them.
+    """Return where a robot's hand can hold books on boards, and what the robot lacks to return books.
+
+    Args:
+        robot: the robot.
+        reach: reach of its hand; without it or without a tray, only what the robot lacks is returned.
     """
     remarks = _lacking(robot)
     if reach is None or not robot.has_tray:

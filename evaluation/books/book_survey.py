@@ -32,7 +32,7 @@ class BookNotes:
 
 
 class BookSurvey(Survey):
-    """Survey of the books, compared with the initial state of the shelves."""
+    """Evaluation of how a run has returned books, by their true poses before and after the run."""
 
     name = "books"
     effects = BOOK_EFFECTS
@@ -53,8 +53,9 @@ class BookSurvey(Survey):
 
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
-        """Return whether the run returns books, or has shelves, before which the stops of the base are
-        measured.
+        """Return whether the run has shelves or returns books.
+
+        With shelves alone, the survey measures only the stops of the base before them.
         """
         return super().applies(run) or bool(run.scene is not None and run.scene.of(BookProps).shelves)
 
@@ -86,8 +87,9 @@ class BookSurvey(Survey):
         return {**self._stops, **stands.figures(), "labels_read": self._labels}
 
     def faults(self) -> list[str]:
-        """Return a message if a book isn't shelved as a librarian would, which a complete run's Success
-        claims.
+        """Return a message if a returned book is in a wrong place or pose, or other books were pushed.
+
+        It contradicts the Success of a complete run.
         """
         stands = None if self._shelving is None else self._shelving.judge(self._books)
         return [] if stands is None or stands.right else [str(stands)]

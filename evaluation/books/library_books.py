@@ -18,7 +18,7 @@ FEWEST_BETWEEN = 3  # books between two gaps, and between a gap and the row's en
 
 @dataclass(frozen=True)
 class GeneratedBook:
-    """Book of a generated library."""
+    """Book of a generated library, with its place, call number, size and appearance."""
 
     accession: int
     call: str
@@ -48,7 +48,7 @@ class ShelfRow:
 
 
 def call_numbers(rng: np.random.Generator, count: int, first: int) -> list[str]:
-    """Return `count` different call numbers in library order, from `first` to below `first` + 100."""
+    """Return `count` different random call numbers in library order, from `first` to below `first` + 100."""
     made: set[str] = set()
     while len(made) < count:
         whole = first + int(rng.integers(0, 100))
@@ -61,7 +61,7 @@ def call_numbers(rng: np.random.Generator, count: int, first: int) -> list[str]:
 def make_row(
     rng: np.random.Generator, shelf: str, first_accession: int, first_call: int, misplaced: bool
 ) -> ShelfRow:
-    """Return a full row with two gaps of lent books.
+    """Return the books of a full shelf, of which two are lent and leave gaps.
 
     Args:
         rng: random generator.

@@ -39,7 +39,7 @@ DOORWAY_M = (0.7, 1.9, 2.5)  # [m]: a doorway from x to x at y, the only way out
 
 
 class NoSuchLibrary(InputError):
-    """Error: a library with these properties cannot be made."""
+    """Error for a library that cannot be generated with the requested properties."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class UnmappedBox:
 
 @dataclass(frozen=True)
 class Library:
-    """Generated library: its world, and what the robot knows of it."""
+    """Generated library: walls, shelves, books and obstacles of its world, and the robot's map."""
 
     seed: int
     walls: tuple[tuple[float, float, float, float], ...]
@@ -86,8 +86,8 @@ def make_library(
         tag: tag of the book to return.
         books: number of books to return, each to another shelf.
         blocked: box on the way to the shelf: with another route, or in the only doorway.
-        unfriendly: factors that make it hard, names in `UNFRIENDLY_FACTORS` or `all`.
-        level: difficulty, from 0 (none) to 1.
+        unfriendly: factors that make the shelves difficult, names in `UNFRIENDLY_FACTORS` or `all`.
+        level: difficulty of these factors, from 0 (none) to 1.
     """
     factors = _factors(unfriendly)
     for value, kind in ((tag, Tag), (blocked, Blocked)):
@@ -144,7 +144,11 @@ def _unfriendly(
 
 
 def place_before(shelf: Pose2) -> Pose2:
-    """Return map_T_base from which a robot works at a shelf."""
+    """Return the pose map_T_base at which a robot stops to work at a shelf.
+
+    Args:
+        shelf: pose map_T_shelf, with x into the shelf.
+    """
     return shelf.compose(Pose2(-STAND_OFF, 0.0, 0.0))
 
 

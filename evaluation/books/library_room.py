@@ -15,7 +15,7 @@ SHELF_DEPTH = 0.25  # [m]
 
 
 class RoomFurniture(NamedTuple):
-    """Box on the floor."""
+    """Piece of furniture in a generated library, as a box on the floor."""
 
     name: str
     x: float

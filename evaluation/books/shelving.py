@@ -17,7 +17,7 @@ MOST_TILT_DEG = 5.0
 
 
 class ShelvedBooks(NamedTuple):
-    """State of the returned books; of several, the worst value of each."""
+    """Quality with which books were returned; each value is the worst of all returned books."""
 
     slot_correct: bool
     proud_mm: float
@@ -28,7 +28,7 @@ class ShelvedBooks(NamedTuple):
 
     @property
     def right(self) -> bool:
-        """True if the books are shelved as a librarian would."""
+        """True if the books are in the correct slots and within the limits for protrusion, tilt and push."""
         return (
             self.slot_correct
             and abs(self.proud_mm) <= MOST_PROUD_MM
@@ -37,7 +37,7 @@ class ShelvedBooks(NamedTuple):
         )
 
     def figures(self) -> dict[str, Any]:
-        """Return figures for a run's metrics; undefined figures of books off the shelves are omitted."""
+        """Return the values as metrics of a run; values undefined for a book on no shelf are omitted."""
         fields = self._asdict()
         return {
             name: value if isinstance(value, bool) else round(value, 2)
@@ -48,14 +48,14 @@ class ShelvedBooks(NamedTuple):
 
 @dataclass(frozen=True)
 class Shelving:
-    """Books to return, and the initial state of the shelves."""
+    """Judge of how books were returned, which compares the shelves with their initial state."""
 
     accessions: tuple[int, ...]
     fronts: Mapping[int, float]
     """x of each standing book's spine in the frame of its shelf, by accession number, in [m]."""
 
     def judge(self, books: BookProps) -> ShelvedBooks:
-        """Return the current state of the books."""
+        """Return how well the books to return are shelved in the present state of the shelves."""
         pushed = self._pushed(books)
         each = [self._judge(books, number, pushed) for number in self.accessions]
         return ShelvedBooks(

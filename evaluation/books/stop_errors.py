@@ -18,9 +18,9 @@ from .library_room import STAND_OFF
 
 
 def stop_errors(scene: Scene, primitive: ActionPrimitive) -> dict[str, float]:
-    """Return the stopping errors of an action that has succeeded, by name, in the unit at the name's end.
+    """Return the true errors of the base's stop after an action has succeeded, at a dock or before a slot.
 
-    Empty if the action stops nowhere in particular.
+    They are by name, in the unit at the end of the name; empty for an action without a place to stop at.
     """
     if primitive.label() == DRIVE_PRIMITIVE:
         return _dock(scene, str(getattr(primitive, "place", "")))

@@ -25,9 +25,7 @@ TRIED_TILTS_RAD = tuple((a, b) for a in (-0.03, -0.01, 0.01, 0.03) for b in (-0.
 
 
 def tag(bench: KitBench, finding: CheckResult) -> None:
-    """Check that the tag on a book's spine is seen where the true joints and the camera's model project
-    it.
-    """
+    """Check that the camera sees the tag of a book at the pixels computed from the true joints."""
     errors = np.vstack([_tag_errors(bench, seed) for seed in TRIED_SEEDS])
     if not len(errors):
         raise Skipped("no tag could be read")

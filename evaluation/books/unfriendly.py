@@ -42,7 +42,7 @@ class _Making:
 def make_unfriendly(
     row: ShelfRow, wanted: Collection[int], factors: Collection[str], level: float, rng: np.random.Generator
 ) -> tuple[ShelfRow, dict[int, str]]:
-    """Return a harder row, and the reason why a lent book has no slot, by its accession.
+    """Return a row of books that is made more difficult, and why some lent books now have no slot.
 
     Args:
         row: the usual row.
@@ -166,7 +166,7 @@ UNFRIENDLY_FACTORS: Mapping[str, Callable[[_Making], _Making]] = {
 
 
 def no_slot(row: ShelfRow, book: GeneratedBook, spoilt: Mapping[int, str]) -> str:
-    """Return why this lent book has no slot; empty if it has one.
+    """Return why a lent book does not fit the gap in its row any more; empty if it fits.
 
     Args:
         row: row with the gap of the book.

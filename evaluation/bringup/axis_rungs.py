@@ -36,7 +36,7 @@ _BEYOND = 0.2  # [rad] or [m] past its limit that a joint is asked to go
 
 
 class Move(NamedTuple):
-    """Test motion of an axis."""
+    """Short test motion of an axis, and the visible effect that the operator confirms."""
 
     way: float
     """Travel of the axis, in [m] or [rad]; negative towards its lower limit."""
@@ -66,7 +66,7 @@ def move_of(jogger: Jogger, axis: str) -> Move:
 
 
 class AxesRung(Rung[Site]):
-    """Step that checks that each axis moves in the direction, and as far, as the robot's file says."""
+    """Bring-up step that checks direction and scale of each axis against the robot's file."""
 
     name = "axes"
     summary = "one axis at a time, held by a key, hand at most 250 mm/s: direction and scale"
@@ -127,7 +127,7 @@ def _truth(backend: CanBackend, axis: str) -> float:
 
 
 class LimitsRung(Rung[Site]):
-    """Step that checks that joints stop at the limits of the robot's file."""
+    """Bring-up step that checks that joints stop at the limits given in the robot's file."""
 
     name = "limits"
     summary = "each joint is jogged to those of its limits that it reaches freely, and stops there"
@@ -197,8 +197,9 @@ def _to_limit(site: Site, jogger: Jogger, axis: str, limit: Limit, words: Callab
 
 
 class FreeWay:
-    """Test whether a joint can turn without the arm touching robot or floor, by the URDF, with open
-    fingers.
+    """Collision test of single joint motions, by the URDF: does the arm touch the robot or the floor?
+
+    The fingers are open.
     """
 
     def __init__(self, robot: RobotFile) -> None:
@@ -209,8 +210,9 @@ class FreeWay:
         self._slides = robot.joint_units.slides
 
     def touches_at(self, posture: FloatArray, joint: int, limit: float) -> float | None:
-        """Return the position of a joint at which something is touched on its way to a limit; None if nothing
-        is.
+        """Return the position of a joint at which the arm first touches something on its way to a limit.
+
+        It is None if the way is free.
 
         Args:
             posture: (n,) of all joints, in [rad] or [m].

@@ -24,7 +24,7 @@ _SCAN = 1.0  # [s] in which nodes answer
 
 
 class PlainNode(canopen.RemoteNode):
-    """A node of which nothing is known but its ID."""
+    """CANopen node without object dictionary, to read objects of a device that has not been identified."""
 
     def __init__(self, node: int) -> None:
         super().__init__(node, drive_dictionary(node))
@@ -37,7 +37,14 @@ class PlainNode(canopen.RemoteNode):
 
 
 def read_object(line: CanLine, node: int, index: int, subindex: int = 0) -> int | None:
-    """Return an object of a node as a number; None if the node lacks it or doesn't answer."""
+    """Read an object of a CANopen node by SDO, as an unsigned number; None without an answer.
+
+    Args:
+        line: the CAN bus.
+        node: ID of the node.
+        index: index of the object in the node's object dictionary.
+        subindex: subindex of the object.
+    """
     if node not in line:
         line.add_node(PlainNode(node))
     try:

@@ -35,7 +35,10 @@ _CREEP = 0.005  # [m/s], [rad/s] with which it arrives
 
 
 class KeyLease:
-    """Held key, seen by its repeats; after 300 ms without a repeat it counts as released permanently."""
+    """Test whether a key is still held, by the repeats that a held key sends.
+
+    After 300 ms without a repeat the key counts as released, and later repeats do not count.
+    """
 
     def __init__(self, pressed: Callable[[], bool], clock: Callable[[], float] = time.monotonic) -> None:
         """Begin; the key has 300 ms from now.
@@ -78,7 +81,10 @@ class Jogged(NamedTuple):
 
 @dataclass
 class Jogger:
-    """Mover of single axes of a robot through its backend; axes are named as in the section `can`."""
+    """Controller that moves single axes of a robot through its backend while a key is held.
+
+    Axes are named as in the section `can` of the robot's file.
+    """
 
     backend: Backend
     robot: RobotFile
@@ -107,7 +113,8 @@ class Jogger:
 
         Args:
             axis: name of the axis.
-            way: travel after which it stops at the latest, in [m] or [rad]; negative towards the lower limit.
+            way: travel after which the axis stops at the latest, in [m] or [rad]; negative towards the lower
+            limit.
             held: returns whether the key is still held.
             slower: factor of the axis' top speed, at most 1.
 
@@ -147,7 +154,7 @@ class Jogger:
         return self._gripper.width()
 
     def limits(self, axis: str) -> tuple[float, float]:
-        """Return the limits of an axis: joints in [rad], the fingers' opening in [m]; wheels have none."""
+        """Return the lower and upper limit of an axis, in [rad] or [m]; wheels have infinite limits."""
         kind, number = _parts(axis)
         if kind == "wheel":
             return -math.inf, math.inf
@@ -185,7 +192,7 @@ class Jogger:
         return max(math.sqrt(2 * rate * max(room, 0.0)), _CREEP)
 
     def settle(self) -> float:
-        """Let periods pass until nothing moves any more; return the elapsed time, in [s]."""
+        """Run control periods until no axis moves, or a time-out; return the elapsed time, in [s]."""
         before, passed = self._positions(), 0.0
         while passed < _SETTLE:
             self.backend.step()

@@ -40,7 +40,7 @@ ALL_RUNGS: tuple[Rung[Any], ...] = (
 
 
 class UnknownRung(InputError):
-    """Error, because the procedure has no step of this name."""
+    """Error for a step name that the bring-up procedure does not have."""
 
     def __init__(self, name: str, allowed: list[str]) -> None:
         super().__init__(f"unknown step {name!r}{suggest(name, allowed)}")
@@ -68,9 +68,9 @@ class Ladder:
     """Steps in order."""
 
     def records(self, folder: Path | None = None) -> list[RungRecord]:
-        """Return the records of the steps passed so far: all before the first that has no valid record.
+        """Return the records of the steps passed so far, up to the first step without a valid record.
 
-        A record is valid if it belongs to this version of the robot's file.
+        A record is valid if the step passed with this version of the robot's file.
 
         Args:
             folder: folder of the records; None: that of the site.

@@ -16,12 +16,13 @@ Held = Callable[[], bool]
 
 
 class UnansweredQuestion(InputError):
-    """Error: a question was not answered."""
+    """Error for a question of a bring-up step that the operator did not answer."""
 
 
 class Operator(ABC):
-    """Person, or script, that is informed and answers questions; each answer is recorded under the question's
-    key.
+    """Interface of a person or script that reads messages and answers questions during a bring-up.
+
+    Each answer is recorded under the question's key.
     """
 
     @abstractmethod
@@ -41,7 +42,7 @@ class Operator(ABC):
         Args:
             key: identifies the question in records.
             question: text of the question.
-            truth: returns the true value, which is the answer on a bench.
+            truth: returns the true value; with simulated drives (a bench) it is the answer.
         """
 
     @abstractmethod
@@ -51,7 +52,7 @@ class Operator(ABC):
         Args:
             key: identifies the request.
             words: text of the request.
-            on_bench: called instead on a bench.
+            on_bench: function that simulates the action on a bench, where no person acts.
         """
 
     @abstractmethod
@@ -60,7 +61,7 @@ class Operator(ABC):
 
 
 class BenchOperator(Operator):
-    """Operator of a bench: confirms everything, and measures by the ground truth."""
+    """Automatic operator of a bench (simulated drives): confirms everything, and measures the true values."""
 
     def __init__(self, say: Callable[[str], None] = lambda _: None) -> None:
         self._say = say
@@ -92,7 +93,7 @@ class BenchOperator(Operator):
 
 
 class ScriptedOperator(BenchOperator):
-    """Test operator that answers from a file by key; an unknown key is an error."""
+    """Operator for tests that answers each question from a file by the question's key."""
 
     def __init__(self, answers: Mapping[str, Any], say: Callable[[str], None] = lambda _: None) -> None:
         """Take the answers by key of the question, each true, false or a number; `say` shows messages."""

@@ -15,7 +15,7 @@ Answer = bool | float
 
 
 class RungRecord(FileModel):
-    """Record of a bring-up step that was passed or tried."""
+    """Record of one run of a bring-up step: its result, measured values and answers of the operator."""
 
     format: Literal["handcart-bringup/1"] = "handcart-bringup/1"
     rung: str
@@ -49,5 +49,5 @@ def save(record: RungRecord, path: Path) -> None:
 
 
 def read(path: Path) -> RungRecord:
-    """Read a record back; raises `FileError`."""
+    """Read a record from its file; raises `FileError` if the file is missing or invalid."""
     return load(path, RungRecord)

@@ -19,7 +19,10 @@ class RungFailed(HandcartError):
 
 
 class Rung(ABC, Generic[SiteT]):
-    """Step that verifies one property of a robot; it has passed when `climb` returns."""
+    """Base class of bring-up steps, each of which verifies one property of a robot.
+
+    A step has passed if `climb` returns without `RungFailed`.
+    """
 
     name: ClassVar[str]
     """Name of the step, and of its record."""
@@ -37,5 +40,5 @@ class Rung(ABC, Generic[SiteT]):
         """
 
     def left_out(self, site: SiteT) -> str:
-        """Return why this step does not apply to the robot; empty if it does."""
+        """Return the reason why this step does not apply to the robot; empty if the step applies."""
         return ""

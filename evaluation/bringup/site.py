@@ -28,7 +28,7 @@ from .operator import Operator
 
 @dataclass
 class RobotSite(ABC):
-    """Robot or bench on which the steps run, however it is connected."""
+    """Base class of what bring-up steps run on: a real robot, or a bench (with simulated drives)."""
 
     name: str
     """Name of the robot as the user gave it."""
@@ -55,11 +55,14 @@ class RobotSite(ABC):
     @property
     @abstractmethod
     def fingerprint(self) -> str:
-        """Return the fingerprint of the tested part of the robot's file."""
+        """Return a hash of those parts of the robot's file that the bring-up tests."""
 
     @abstractmethod
     def backend(self, seed: int = 0) -> AbstractContextManager[Backend]:
-        """Return a context with the robot, set up and at rest; a real one is claimed for this process."""
+        """Return a context with the backend of the robot, set up and at rest.
+
+        A real robot is reserved for this process meanwhile.
+        """
 
     # Answers of a person, kept in the record
 
@@ -79,7 +82,7 @@ class RobotSite(ABC):
 
 @dataclass
 class Site(RobotSite):
-    """Robot by CAN, or its bench in this process."""
+    """Robot that is connected by CAN, or its simulated bench in this process."""
 
     @property
     @override
@@ -99,8 +102,9 @@ class Site(RobotSite):
 
     @property
     def fingerprint(self) -> str:
-        """Return the fingerprint of the tested part of the robot's file: drives, limits, joints, without
-        calibrated values.
+        """Return a hash of those parts of the robot's file that the bring-up tests.
+
+        These are drives, limits, joints and the URDF, without the calibrated wheel radius and tread.
         """
         spec = self.robot.model_copy(
             update={"drive": self.robot.drive.model_copy(update={"wheel_radius_m": 1.0, "tread_m": 1.0})}
@@ -110,7 +114,7 @@ class Site(RobotSite):
 
     @contextmanager
     def line(self) -> Iterator[tuple[CanLine, list[can.Message]]]:
-        """Yield the bus with nothing configured on it, and the frames that arrived."""
+        """Yield the CAN bus, no node of which is configured yet, and a growing list of received frames."""
         came: list[can.Message] = []
 
         def heard(frame: can.Message, sent: bool) -> None:
@@ -134,8 +138,9 @@ class Site(RobotSite):
 
     @contextmanager
     def backend(self, seed: int = 0) -> Iterator[CanBackend]:
-        """Yield the robot, set up and read back, no drive enabled yet; a real one is claimed for this
-        process.
+        """Yield the backend of the robot, whose settings are written and read back; no drive is enabled yet.
+
+        A real robot is reserved for this process meanwhile.
         """
         made = (
             CanBackend.build_on_bench(self.robot, self.world, seed, bench_class(self.bench, CanBackend.name))

@@ -25,8 +25,9 @@ STOP_TRIALS = 5
 
 
 class EmergencyStopRung(Rung[Site]):
-    """Step that checks that the emergency stop removes the drives' torque and that releasing it restores
-    none.
+    """Bring-up step that checks that the emergency stop removes the drives' torque.
+
+    Releasing the emergency stop must not restore the torque.
     """
 
     name = "emergency_stop"

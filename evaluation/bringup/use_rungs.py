@@ -42,7 +42,7 @@ _SETTLE = 1.0  # [s]
 
 
 class CalibrationRung(Rung[Site]):
-    """Step that calibrates odometry and lidar; the result is a change to review."""
+    """Bring-up step that calibrates odometry and lidar, and proposes a change of the robot's file."""
 
     name = "calibrate"
     summary = "wheel radius, tread and range sensor are measured; `handcart adopt` shows what that changes"
@@ -159,7 +159,7 @@ def _wrapped(angle: float) -> float:
 
 
 class RangesRung(Rung[RobotSite]):
-    """Step that measures the lidar's spread, and compares one range with a tape."""
+    """Bring-up step that measures the spread of the lidar's ranges, and compares one range with a tape."""
 
     name = "range_sensor"
     summary = "the lidar's spread, and one range by tape; `handcart adopt` shows what that changes"
@@ -190,7 +190,7 @@ def _write(site: RobotSite, found: dict[str, Calibrated]) -> Path:
 
 
 class CameraRung(Rung[RobotSite]):
-    """Step that calibrates the camera and its place on the hand by a board."""
+    """Bring-up step that calibrates the camera and its pose on the hand with a calibration board."""
 
     name = "camera"
     summary = "the camera and where it sits on the hand, by a board; `handcart adopt` shows what that changes"
@@ -213,7 +213,7 @@ class CameraRung(Rung[RobotSite]):
 
 
 class PrimitiveRung(Rung[RobotSite]):
-    """Step that runs the first primitive of the task alone."""
+    """Bring-up step that runs only the first primitive (single action) of the task."""
 
     name = "primitive"
     summary = "the first primitive of the task ends in Success"
@@ -239,7 +239,7 @@ class PrimitiveRung(Rung[RobotSite]):
 
 
 class TaskRung(Rung[RobotSite]):
-    """Step that runs the task."""
+    """Bring-up step that runs the complete task for which the robot is brought up."""
 
     name = "task"
     summary = "the task ends in Success"

@@ -25,7 +25,9 @@ FIXED_SHARE = 2.5  # fixed limit of a calibration's error in the figures above, 
 
 
 def camera_faults(robot: RobotFile, seed: int, found: Mapping[str, Calibrated]) -> list[str]:
-    """Return the parameters that are further off than 5 sigma explain, or than their fixed limits.
+    """Return a message for each calibrated camera parameter with too large a true error.
+
+    An error is too large above 5 sigma, or above a fixed limit of the parameter.
 
     Args:
         robot: robot as it was in the run.
@@ -57,9 +59,10 @@ def camera_faults(robot: RobotFile, seed: int, found: Mapping[str, Calibrated]) 
 
 
 def suspension_faults(spots: Mapping[str, float], found: Mapping[str, Calibrated]) -> list[str]:
-    """Return the suspension's parameters that differ from those by laser spots by more than their limits.
+    """Return a message for each calibrated suspension parameter that contradicts the laser measurement.
 
-    A limit is the error of reading the spots plus 5 sigma, but not more than a fixed value.
+    The two may differ by the error of reading the laser spots plus 5 sigma, but not by more than a fixed
+    limit.
 
     Args:
         spots: figures of a `LaserSurvey`.

@@ -29,7 +29,11 @@ def _suspension(survey: CalibrationSurvey, claim: Claim) -> list[str]:
 
 
 class CalibrationSurvey(FiguresSurvey):
-    """Survey that points lasers at walls while the suspension is calibrated, as Hatano et al. (2000) do."""
+    """Evaluation of calibrations by the ground truth.
+
+    For the suspension, it simulates lasers on the base whose spots on walls show the base's motion, as in
+    Hatano et al. (2000).
+    """
 
     name = "calibration"
     effects: ClassVar = {CAMERA: _camera, SUSPENSION: _suspension}
@@ -68,5 +72,5 @@ class CalibrationSurvey(FiguresSurvey):
             self._figures |= self.spots()
 
     def spots(self) -> dict[str, float]:
-        """Return the suspension parameters that the laser spots show, by name, in SI units."""
+        """Return the suspension parameters measured by the laser spots, by name, in the unit in the name."""
         return {} if self._lasers is None else self._lasers.figures()

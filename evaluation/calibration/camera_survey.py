@@ -22,11 +22,11 @@ _COLUMNS, _ROWS = 17, 13
 def camera_figures(
     robot: RobotFile, spec: CameraSpec, seed: int, found: Mapping[str, Calibrated]
 ) -> dict[str, float]:
-    """Return figures for a run's metrics: errors of points located by a picture, before and after.
+    """Return the errors of points located by the camera before and after its calibration, as run metrics.
 
     Args:
         robot: robot as it was in the run.
-        spec: its camera on the hand.
+        spec: section of the camera on the robot's hand.
         seed: seed of the run.
         found: results of the run's calibration, by key.
     """

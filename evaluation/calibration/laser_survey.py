@@ -20,12 +20,12 @@ REST_PERIODS = 6  # periods for which the arm must be at rest before a reading
 
 
 def read_spot(world_T_base: Transform, world_T_first: Transform, heading: float, scale: float) -> FloatArray:
-    """Return the spot's shift (2,) in [m] to the left and up, as a person reads it with a ruler.
+    """Return the shift (2,) of a laser's spot on a wall to the left and up, in [m], as read with a ruler.
 
     Args:
-        world_T_base: (4, 4), by the ground truth.
-        world_T_first: world_T_base at the reference posture; the wall is perpendicular to that beam.
-        heading: heading of the beam in the base frame, in [rad].
+        world_T_base: true pose (4, 4) of the base that carries the laser.
+        world_T_first: world_T_base at the reference posture, in which the beam is perpendicular to the wall.
+        heading: heading of the laser's beam in the base frame, in [rad].
         scale: graduation of the ruler, in [m]; 0: exact.
     """
     base_T_laser = transform((0.0, 0.0, POINTER_HEIGHT_M), (0.0, 0.0, heading))
@@ -38,7 +38,10 @@ _FACING = np.array([[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 
 
 
 class LaserSurvey:
-    """Person who reads two spots whenever the arm rests, ahead and to the left, and counts its swings."""
+    """Simulated person who reads two laser spots, ahead and to the left of the base, when the arm rests.
+
+    The person also counts the arm's swings from side to side.
+    """
 
     def __init__(self, scene: Any, scale: float = RULER_STEP_M) -> None:
         """Prepare a survey in a simulated `scene`; `scale` is the graduation of the ruler, in [m]."""
@@ -78,7 +81,7 @@ class LaserSurvey:
             shifts.append(SpotShift((x, y), float(self._swings), *spot.tolist()))
 
     def rates(self) -> Rates:
-        """Return the rates fitted to the spots.
+        """Return the base's tilt for each metre of the hand, and yaw for each swing, fitted to the spots.
 
         Raises:
             ValueError: the arm moved too little.
@@ -86,7 +89,7 @@ class LaserSurvey:
         return fit_spots(self._ahead, self._left, WALL_DISTANCE_M)
 
     def figures(self) -> dict[str, float]:
-        """Return figures for a run's metrics."""
+        """Return the fitted tilts and yaw as metrics of a run, by name with the unit."""
         rates = self.rates()
         return {
             "laser_yaw_mrad_per_swing": round(1e3 * rates.yaw_per_swing, 4),

@@ -26,8 +26,8 @@ _YAML = (".yaml", ".yml")
 def checksums(setting: CampaignSetting, task: Task) -> dict[str, str]:
     """Return the SHA-256 of each file that a campaign depends on, by its name as seen from the task.
 
-    These are the task's file, all files that it names, directly or through other files, and the robot's
-    description if the task has a robot.
+    These are the task's file, all files that it names, directly or through other files, and the file of
+    faults. Runs also depend on the robot's description, walks on the trials from which odds are learned.
 
     Raises:
         FileError: the robot's file is invalid.

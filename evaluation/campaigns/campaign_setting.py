@@ -24,7 +24,7 @@ recorded campaigns (`fitted`) or by the file's `p` (`network`).
 
 @dataclass(frozen=True)
 class CampaignSetting:
-    """Setting of a trial except for its seed."""
+    """Settings that all trials of a campaign share; only their seeds differ."""
 
     task: Path
     backend: str | None = None
@@ -48,5 +48,5 @@ class CampaignSetting:
 
     @property
     def walks(self) -> bool:
-        """True if trials are walks through the network, without a robot."""
+        """True if trials are random walks through the task's network of actions, without a robot."""
         return self.level != "run"

@@ -50,26 +50,29 @@ _CHECKED: list[TrialThere] = []
 
 
 class ClusterLost(HandcartError):
-    """Error: the scheduler is gone; ended trials are on disk."""
+    """Error for a Dask scheduler that stopped answering; trials that have ended are on disk."""
 
     def __init__(self, address: str) -> None:
         super().__init__(f"the scheduler {address} is gone; the same command runs the remaining trials")
 
 
 class OtherFiles(InputError):
-    """Error: the files on a worker differ from those of the client."""
+    """Error for a worker on which files of the campaign differ from those on the client."""
 
 
 @dataclass(frozen=True)
 class TrialThere:
-    """Function that runs a trial on a worker; the worker needs the client's files at the same paths."""
+    """Function that runs a trial on a worker of a cluster, if its files are those of the client.
+
+    The worker needs the files at the same paths as the client.
+    """
 
     setting: CampaignSetting
     files: Mapping[str, str]
 
     @classmethod
     def of(cls, setting: CampaignSetting) -> TrialThere:
-        """Return the work for a setting with files on this machine.
+        """Create the function for a setting, with the checksums of the files on this machine.
 
         Raises:
             FileError: a file is invalid.
@@ -121,7 +124,7 @@ def _quiet() -> Iterator[None]:
 
 @dataclass
 class SubmittedTrial:
-    """Trial that was submitted to the scheduler."""
+    """Trial that was submitted to the scheduler: its time of submission and its pending results."""
 
     since: float
     futures: list[Future[bytes]] = field(default_factory=list)
@@ -150,7 +153,7 @@ class Cluster:
         self._looked, self._room = 0.0, 0
 
     def trials(self, seeds: Iterable[int]) -> Generator[list[Trial], None, None]:
-        """Run a trial for each seed; yield trials that ended at the same time together.
+        """Run a trial for each seed; yield lists of the trials that have ended since the last list.
 
         Raises:
             NoCluster: the scheduler does not answer.

@@ -76,13 +76,13 @@ class SimulatedShelf:
         return {part: self._box(part, *ends) for part, ends in bounds.items()}
 
     def solids(self) -> list[Solid]:
-        """Return the solids of the shelf for a world, darker inside."""
+        """Return the solids of the shelf for a world; inner parts are dimmed by the spec's factor `light`."""
         greys = {part: object_.grey for part, object_ in zip(self.objects(), self.spec.objects, strict=True)}
         greys |= dict.fromkeys(INNER_PARTS, round(WOOD_GREY * self.spec.light))
         return [Solid(box, grey=greys.get(part, WOOD_GREY)) for part, box in self.parts().items()]
 
     def objects(self) -> list[str]:
-        """Return the names of the parts that are not furniture, as in the file."""
+        """Return the names of the objects on the board other than books, in the world file's order."""
         return [f"object {i + 1}" for i in range(len(self.spec.objects))]
 
     def _object_ends(self, each: ObjectSpec) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
@@ -98,8 +98,11 @@ class SimulatedShelf:
         return Box(self.pose @ transform(tuple(middle)), (x, y, z), f"{part} of {self.name}")
 
     def fixed_intervals(self) -> list[tuple[float, float, float]]:
-        """Return the immovable bounds of the row: (right, left, front) in the shelf frame S, in [m], along y,
-        y and x.
+        """Return the intervals that side panels, book end and objects occupy in the row of books.
+
+        Returns:
+            (right, left, front) of each: y of its right and left side and x of its front in the frame S,
+            in [m].
         """
         half = self.half_width
         walls = [(half, half + PANEL_THICKNESS_M, 0.0), (-half - PANEL_THICKNESS_M, -half, 0.0)]

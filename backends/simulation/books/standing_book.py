@@ -29,7 +29,7 @@ class StandingBook(NamedTuple):
 
     @property
     def sides(self) -> tuple[float, float]:
-        """y of its rightmost and of its leftmost point, in [m]."""
+        """y of the book's rightmost and of its leftmost point in the shelf frame S, in [m]."""
         half = self.book.thickness / 2 * math.cos(self.lean)
         over = self.book.height * math.sin(self.lean)
         return self.lateral - half + min(0.0, over), self.lateral + half + max(0.0, over)
@@ -41,7 +41,7 @@ def leaned(S_T_foot: Transform, thickness: float, angle: float) -> Transform:
     Args:
         S_T_foot: (4, 4) pose of the upright book in the shelf frame S.
         thickness: thickness of the book, in [m].
-        angle: angle in [rad], positive to the left.
+        angle: lean in [rad], positive to the left, about the lower edge of the side it leans to.
     """
     edge = math.copysign(thickness / 2, angle)
     turn = transform((0.0, edge, 0.0), (-angle, 0.0, 0.0))

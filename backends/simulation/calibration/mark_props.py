@@ -13,7 +13,7 @@ from .spec import MarksSection
 
 
 class MarkProps(Props[MarksSection]):
-    """Sheets of paper, in the order of the world's file."""
+    """Marks of a simulated world, as sheets of paper in the order of the world's file."""
 
     section = MarksSection
 

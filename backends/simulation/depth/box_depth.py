@@ -24,8 +24,9 @@ Cut = Callable[[FloatArray, FloatArray, FloatArray], tuple[FloatArray, FloatArra
 class BoxDepth:
     """Ray caster for all pixels of a camera.
 
-    The slab method of Kay and Kajiya, "Ray tracing complex scenes" (1986); each body is tested against the
-    pixels of the rectangle around its corners alone. A cylinder is a slab along its axis within a circle.
+    Bodies are boxes and cylinders. Boxes follow the slab method of Kay and Kajiya, "Ray tracing complex
+    scenes" (1986); a cylinder is one slab along its axis, bounded by a circle. Only the pixels in the
+    rectangle around a body's corners are tested against that body.
     """
 
     def __init__(self, model: CameraModel) -> None:

@@ -18,7 +18,7 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 
 
 class DepthNoise:
-    """Conversion of true depths to those that a camera reads, by its section of the robot's file."""
+    """Conversion of true depths to a depth camera's readings, with the errors set in the robot's file."""
 
     def __init__(self, spec: DepthCameraSpec, seed: int) -> None:
         """Draw the errors that stay the same for a run."""
@@ -45,7 +45,12 @@ class DepthNoise:
         return depth.astype(np.float32)
 
     def steps(self, true: FloatArray) -> BoolArray:
-        """Return a mask (h, w), True for pixels too near to a step in the true depth (h, w), in [m]."""
+        """Return a mask (h, w) of pixels without a reading because they are near a step in depth.
+
+        Args:
+            true: (h, w) true depths, in [m]. A step is a ratio of neighbouring depths above the spec's
+                `edge_step_percent`, near is within its `edge_px`.
+        """
         if self._errors.edge_px == 0:
             return np.zeros(true.shape, np.bool_)
         share = 1.0 + self._errors.edge_step_percent / 100
@@ -59,8 +64,11 @@ class DepthNoise:
         return cv2.dilate(found.astype(np.uint8), np.ones((side, side), np.uint8)) > 0
 
     def grazing(self, true: FloatArray) -> BoolArray:
-        """Return a mask (h, w), True where a surface of the true depth (h, w), in [m], is seen at too flat an
-        angle.
+        """Return a mask (h, w) of pixels without a reading because they show a surface at a flat angle.
+
+        Args:
+            true: (h, w) true depths, in [m]. Flat is more than the spec's `grazing_deg` between the ray
+                and the surface's normal.
         """
         if self._errors.grazing_deg >= 90.0:
             return np.zeros(true.shape, np.bool_)

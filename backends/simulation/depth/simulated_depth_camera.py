@@ -37,8 +37,8 @@ class TrueDepth(NamedTuple):
 class SimulatedDepthCamera(DepthCamera, SimulatedSensor):
     """Depth camera that takes a picture from its true pose, on demand, once a period.
 
-    The pose that comes with the picture follows from the measured joints and the URDF. The true one differs
-    from it by the joints' errors, and by those of the mount under `errors`.
+    The pose that comes with the picture follows from the measured joints and the URDF. The true pose
+    differs from it by the joints' errors, and by the mount's errors under `errors` of the camera's spec.
     """
 
     STATE: ClassVar[Kinds] = {"_now": int}

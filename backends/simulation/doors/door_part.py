@@ -24,7 +24,7 @@ FRONT, HANDLE = "door", "handle"
 
 @dataclass(eq=False, repr=False)
 class DoorPart(PrintedThing):
-    """The front of a door or drawer, or its handle: it moves with the joint alone."""
+    """The front or the handle of a simulated door or drawer, which only moves along the door's joint."""
 
     FREE: ClassVar[bool] = False
 
@@ -61,7 +61,7 @@ class DoorPart(PrintedThing):
     @property
     @override
     def mass(self) -> float:
-        """Mass that the hand carries, in [kg]: none, its joint carries it."""
+        """Mass that the hand carries, in [kg]: always 0, because the door's joint carries the part."""
         return 0.0
 
     @property
@@ -90,10 +90,10 @@ class DoorPart(PrintedThing):
 
 
 def handle_T_part(spec: SimulatedDoorSpec, part: str) -> Transform:
-    """Return handle_T_part (4, 4) of the middle of a part's foot.
+    """Return the pose handle_T_part (4, 4) of a part of a door in the frame of its handle.
 
     Handle frame: origin in the middle of the bar, x away from the closed door, z up. Part: `FRONT` or
-    `HANDLE`.
+    `HANDLE`; the origin of its frame is in the middle of its lower end.
     """
     if part == FRONT:
         return np.asarray(spec.front(spec.true_joint())[0] @ transform((0.0, 0.0, -spec.height_mm / 2e3)))
@@ -104,14 +104,15 @@ def handle_T_part(spec: SimulatedDoorSpec, part: str) -> Transform:
 
 
 def part_at(spec: SimulatedDoorSpec, part: str, opening: float) -> Transform:
-    """Return world_T_part (4, 4) of the middle of a part's foot at an opening, in [rad], or in [m] for a
-    drawer.
+    """Return the pose world_T_part (4, 4) of a door's part at an opening in [rad], or in [m] for a drawer.
+
+    The origin of the part's frame is in the middle of its lower end.
     """
     return np.asarray(spec.true_joint().handle_at(opening) @ handle_T_part(spec, part))
 
 
 def new_part(spec: SimulatedDoorSpec, part: str, opening: float) -> DoorPart:
-    """Return a part of a door at an opening.
+    """Create the simulated front or handle of a door, posed at an opening.
 
     Args:
         spec: the door.

@@ -14,7 +14,7 @@ from handcart.robotics.manipulation.doors.door_joint import DoorJoint
 
 
 class SimulatedDoorSpec(DoorShape):
-    """A door or a drawer as it truly is; heavy enough to stay where it is left."""
+    """True geometry, friction and jams of a simulated door or drawer, which stays where it is left."""
 
     name: Name
     friction_n: Annotated[float, Field(ge=0.0, le=500.0)] = 5.0
@@ -38,7 +38,7 @@ class SimulatedDoorSpec(DoorShape):
 
     @property
     def stop(self) -> float:
-        """Largest opening that is possible, in [rad] or [m]."""
+        """Largest possible opening, in [rad], or in [m] for a drawer: limited by travel, a jam or a lock."""
         if self.locked:
             return self.opened
         jam = self.jams_deg if self.is_hinged else self.jams_mm
@@ -48,11 +48,11 @@ class SimulatedDoorSpec(DoorShape):
 
     @property
     def start(self) -> float:
-        """Smallest opening that is possible, in [rad] or [m]."""
+        """Smallest possible opening, in [rad], or in [m] for a drawer: 0, or the present one if locked."""
         return self.opened if self.locked else 0.0
 
     def true_joint(self) -> DoorJoint:
-        """Return its joint in the world."""
+        """Return the joint, hinge or slide, on which the door truly moves in the world frame."""
         return self.joint(self.handle.pose, self.radius_m or 1.0)
 
 

@@ -24,7 +24,7 @@ SENSOR_BITE_M = 0.035  # [m] of a sensor's height between the fingers
 
 
 class FieldProps(Props[FieldSection]):
-    """Sensors by their numbers, as the robot's magazine gives them to the hand.
+    """Seismic sensors of a simulated world, and the magazine on the robot that supplies them.
 
     The magazine puts the next sensor between the open fingers when the arm is in its posture `home` and the
     hand is empty. It takes back a sensor that the fingers let go there.
@@ -74,12 +74,12 @@ class FieldProps(Props[FieldSection]):
         self._seat(self.sensors[name])
 
     def waiting(self) -> Sensor | None:
-        """Return the sensor that the magazine holds between the fingers."""
+        """Return the sensor that the magazine holds between the fingers; None if it holds none there."""
         sensor = self.sensors.get(str(self.loaded))
         return sensor if sensor is not None and sensor.rest is Rest.TRAY else None
 
     def rested(self, thing: Thing) -> None:
-        """Update the support of a thing; the magazine carries things on the robot."""
+        """Update the support of a released thing, unless the magazine on the robot carries it."""
         if thing.rest is not Rest.TRAY:
             super().rested(thing)
 

@@ -19,7 +19,7 @@ class SeismicSensorSpec(FileModel):
 
 
 class StationSpec(FileModel):
-    """Total station, only for evaluation: it follows a reflector on the robot's hand."""
+    """Place and accuracy of a total station that measures a reflector on the robot's hand for evaluation."""
 
     x_m: Coordinate
     y_m: Coordinate

@@ -47,8 +47,8 @@ def keyed_normal(seed: int, purpose: str, period: int, size: int) -> FloatArray:
 def sensor_seed(seed: int, name: str) -> int:
     """Return the seed of the errors of one sensor, by its name in the robot's file.
 
-    A sensor with the name of an older key, such as `camera`, has `seed` itself, so that earlier runs are
-    reproduced.
+    A sensor with one of the names in `OLD_KEYS`, such as `camera`, has the run's `seed` itself, so that runs
+    of earlier versions are reproduced.
     """
     if name in OLD_KEYS:
         return seed

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class SeedBranch(NamedTuple):
-    """One continuation of a split run."""
+    """One continuation of a run that was split into several, with the draws made before the split."""
 
     number: int
     """Number of the branch, from 1, which separates its draws from those of other branches."""
@@ -16,11 +16,12 @@ class SeedBranch(NamedTuple):
 
 
 class SplitSeed(int):
-    """A seed whose draws equal those of the original run up to the split, and are its own afterwards.
+    """Seed of one branch of a run that is split at one instant into several continuations.
 
-    The robot and the world stay the same; later draws differ. It records the draws, so that a branch can
-    be split again. Its integer value is that of the plain seed, so values that a backend draws without
-    `keyed` are equal in all branches.
+    Up to the split, random numbers drawn with `keyed` equal those of the original run; afterwards each
+    branch draws its own. The seed records these draws, so that a branch can be split again. Its integer
+    value is that of the plain seed, so values that a backend draws without `keyed` are equal in all
+    branches. The robot and the world are the same in all branches.
     """
 
     _branches: tuple[SeedBranch, ...]
@@ -45,8 +46,10 @@ class SplitSeed(int):
         return made
 
     def split(self, number: int) -> SplitSeed:
-        """Return the seed of a branch that begins here; `number` must differ from those of all other
-        branches.
+        """Return the seed of a branch that begins after the draws so far.
+
+        Args:
+            number: number of the branch, from 1, different from the numbers of all other branches.
         """
         return SplitSeed(int(self), (*self._branches, SeedBranch(number, dict(self._drawn))))
 

@@ -20,9 +20,9 @@ from .tag_print import printed_faces
 
 @dataclass(eq=False, repr=False)
 class CarriedObject(PlacedThing, PrintedThing):
-    """An object and where it truly is.
+    """Box or cylinder that the robot can carry, with its true pose in the simulated world.
 
-    Its frame: origin in the middle of its foot; x, y and z along its size.
+    Its frame: origin in the middle of its underside; x, y and z along its length, width and height.
     """
 
     KIND = "object"
@@ -43,11 +43,11 @@ class CarriedObject(PlacedThing, PrintedThing):
     @override
     @classmethod
     def set_down(cls, scene: Scene, spec: PlacedSpec, seed: int, **others: Any) -> Self:
-        """Return an object that a person sets down about where its file says.
+        """Return an object at the pose of its spec, with random errors of the person who sets it down.
 
         Args:
-            scene: scene with the robot in place; its file has the sizes of a person's errors.
-            spec: the object and its pose; its own sigmas are added to a person's errors.
+            scene: scene with the robot in place; its file has the standard deviations of a person's errors.
+            spec: the object and its nominal pose; errors with its own standard deviations are added.
             seed: seed of the errors.
             others: further fields of the class.
         """

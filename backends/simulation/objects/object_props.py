@@ -32,9 +32,10 @@ CARRIED_OFF_M = 3.0  # height at which a person keeps what was taken, out of the
 
 
 class ObjectProps(Props[ObjectsSection]):
-    """Objects by their names in the world's file: a person sets them down, hands carry them.
+    """Objects of a simulated world that a person sets down and robot hands carry, by their names.
 
-    A person pulls at the held object as the file says, and keeps it if the hand then releases it.
+    A person pulls at the held object at the times in the world's file, and keeps it if the hand releases it
+    during a pull.
     """
 
     section = ObjectsSection
@@ -70,7 +71,7 @@ class ObjectProps(Props[ObjectsSection]):
 
     @property
     def pulls(self) -> list[SimulatedPull]:
-        """Pulls and their progress."""
+        """Pulls of the person at the held object: those to come, under way and over."""
         return self.puller.pulls
 
     @pulls.setter
@@ -79,7 +80,7 @@ class ObjectProps(Props[ObjectsSection]):
 
     @property
     def held_out(self) -> OfferingHand | None:
-        """Place of a hand that holds something out, and since when; None without one."""
+        """Position of the robot's hand that holds an object out at rest, and since when; None without one."""
         return self.puller.held_out
 
     @held_out.setter
@@ -145,8 +146,10 @@ class ObjectProps(Props[ObjectsSection]):
 
 
 def carried_off(pose: Transform) -> Transform:
-    """Return the pose (4, 4) in the world at which a person keeps an object that was taken at a pose (4, 4)
-    in the world.
+    """Return the world pose (4, 4), far from the robot, of an object that a person took from the hand.
+
+    Args:
+        pose: (4, 4) pose of the object in the world when it was taken.
     """
     x, y = pose[:2, 3].tolist()
     return transform((x, y, CARRIED_OFF_M))

@@ -15,27 +15,27 @@ from handcart.backends.simulation.world.thing import GreyImage, Side, Thing
 
 @dataclass(eq=False, repr=False)
 class PrintedThing(Thing):
-    """A thing with pictures printed on its sides: drawn when first seen, and replaceable."""
+    """Simulated thing with pictures printed on its sides, such as tags; a fault can replace them."""
 
     @override
     def faces(self) -> Mapping[Side, GreyImage]:
         return self._faces
 
     def print_over(self, faces: Mapping[Side, GreyImage]) -> None:
-        """Replace all pictures on its sides, to simulate damage or something that covers the tags.
+        """Replace all pictures on the thing's sides, to simulate damaged or covered tags.
 
         Args:
-            faces: picture (h, w) of each side that has one now, grey from 0 to 255.
+            faces: new picture (h, w), grey from 0 to 255, of each side that is to have a picture.
         """
         self.__dict__["_faces"] = dict(faces)
 
     def cover_print(self) -> None:
-        """Cover all its pictures with the grey of its sides."""
+        """Cover all pictures on the thing with the grey of its sides, so that no tag can be seen."""
         self.print_over({side: np.full_like(face, self.grey) for side, face in self.faces().items()})
 
     @abstractmethod
     def draw_faces(self) -> Mapping[Side, GreyImage]:
-        """Return the pictures (h, w) of its printed sides, as they are new."""
+        """Return the undamaged grey pictures (h, w) of the thing's printed sides."""
 
     @cached_property
     def _faces(self) -> Mapping[Side, GreyImage]:

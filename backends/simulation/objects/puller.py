@@ -24,7 +24,7 @@ NO_FORCE = np.zeros(3)
 
 
 class SimulatedPull(NamedTuple):
-    """A pull and its progress."""
+    """Simulated pull of a person at the held object, and whether it has begun or is over."""
 
     spec: PullSpec
     begun_s: float | None = None
@@ -33,16 +33,17 @@ class SimulatedPull(NamedTuple):
 
 
 class OfferingHand(NamedTuple):
-    """Place of a hand that holds something out, and since when it is there."""
+    """Position in the world, in [m], of a hand that holds an object out, and the time it came to rest."""
 
     hand: tuple[float, float, float]
     since_s: float
 
 
 class Puller:
-    """Person who pulls at the held object, as a world's file or a fault says.
+    """Simulated person who pulls at the object in the robot's hand, by a world's file or a fault.
 
-    Pulls with `waits_s` begin in their order, each once the hand holds an object out for so long.
+    Pulls with `waits_s` begin one after the other, each once the hand has held an object out at rest for
+    `waits_s` seconds.
     """
 
     def __init__(
@@ -63,7 +64,7 @@ class Puller:
         """Force (3,) of the person on the held object, in the world, in [N]."""
 
     def step(self) -> None:
-        """Begin a period: begin and end pulls, and set the force."""
+        """Begin and end the pulls due in this period, and set `force` to the present force in [N]."""
         self._watch_hand()
         now = self._scene.time
         self.pulls = [self._advanced(pull, now) for pull in self.pulls]
@@ -80,12 +81,12 @@ class Puller:
         return any(_is_on(pull) and pull.spec.takes for pull in self.pulls)
 
     def released(self) -> None:
-        """End all pulls that are on: the hand holds nothing any more."""
+        """End all pulls that are under way, because the hand has released the object."""
         self.pulls = [pull._replace(is_over=True) if _is_on(pull) else pull for pull in self.pulls]
         self.force = NO_FORCE
 
     def tears(self, mass: float, friction: float) -> bool:
-        """Return whether the pull is stronger than the fingers hold by friction.
+        """Return whether the present pull exceeds the friction with which the fingers hold the object.
 
         Args:
             mass: mass of the held object, in [kg].

@@ -19,7 +19,7 @@ MAX_PULLS = 100
 
 
 class CarriedObjectSpec(PlacedSpec):
-    """A box or a cylinder, and where a person sets it down: the middle of its foot."""
+    """Box or cylinder that a person sets down; its pose is that of the middle of its underside."""
 
     shape: Literal["box", "cylinder"] = "box"
     """A cylinder is upright; along its x and y it has one size, its diameter."""
@@ -50,9 +50,9 @@ class CarriedObjectSpec(PlacedSpec):
 
 
 class FloorAreaSpec(FloorPose):
-    """An area of the floor that carries objects; elsewhere an object on the floor counts as fallen.
+    """Rectangle of the floor where objects may be put down; elsewhere on the floor they count as fallen.
 
-    Its pose is that of its middle.
+    The pose of the area is that of its middle.
     """
 
     name: Name

@@ -31,7 +31,7 @@ YIELD_ANGLE_COS = 0.3  # of the direction to the robot, from which the robot cou
 
 
 class PasserPart(NamedTuple):
-    """An upright disc that is a part of a passer."""
+    """Upright cylinder that models a leg, the trunk or the body of a passer."""
 
     name: str
     """Name of the passer."""
@@ -45,7 +45,7 @@ class PasserPart(NamedTuple):
 
 
 class PasserShape:
-    """A passer as a box to draw."""
+    """Box that represents a passer in camera pictures."""
 
     grey = PASSER_GREY
 
@@ -64,7 +64,7 @@ class PasserShape:
 
 
 class Passers:
-    """People and carts that walk; one clock for each group."""
+    """People and carts that walk through a simulated world, in groups that walk and pause together."""
 
     STATE: ClassVar[Kinds] = {"clocks": FloatArray, "robot": tuple[float, float, float]}
     """Attributes that a checkpoint keeps, with their types."""
@@ -98,7 +98,7 @@ class Passers:
 
         Args:
             time: simulated time at the end of the period, in [s].
-            period: its length, in [s].
+            period: length of the period, in [s].
             base: world_T_base, to which passers that yield react.
             radius: radius of the robot's footprint, in [m].
         """
@@ -127,7 +127,7 @@ class Passers:
         return False
 
     def steps(self) -> list[tuple[str, float, WalkStep]]:
-        """Return name, radius in [m] and present step of each passer."""
+        """Return name, radius in [m], and present position and motion of each passer."""
         return [
             (name, self._specs[number].radius_m, self._step(number, walk))
             for number, name, walk in self._walks
@@ -207,7 +207,7 @@ class Passers:
         return [(name, float(d) - size) for (name, size, _), d in zip(steps, away, strict=True)]
 
     def shapes(self) -> list[PasserShape]:
-        """Return all passers as boxes to draw."""
+        """Return the boxes that represent all passers in camera pictures."""
         found = []
         for name, radius, step in self.steps():
             heading = math.atan2(step.direction[1], step.direction[0])

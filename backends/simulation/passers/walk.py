@@ -14,7 +14,7 @@ MAX_MITRE = 3.0  # by which a companion's path goes farther out at a corner, at 
 
 
 class WalkStep(NamedTuple):
-    """A walker at one instant."""
+    """Position, direction and speed of a walking person at one instant."""
 
     position: FloatArray
     """Position (2,) in the world, in [m]."""
@@ -73,7 +73,11 @@ class Walk:
         self._directions = [self._direction(index) for index in range(len(times) - 1)]
 
     def at(self, clock: float) -> WalkStep:
-        """Return where the walker is after walking and pausing for a time in [s]."""
+        """Return position and motion of the walker.
+
+        Args:
+            clock: time since the start, in [s], with pauses at waypoints but without time spent yielding.
+        """
         last = float(self._times[-1])
         laps, clock = divmod(clock, last) if self._around else (0.0, min(max(clock, 0.0), last))
         index = int(np.searchsorted(self._times, clock, side="right")) - 1

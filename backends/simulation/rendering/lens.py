@@ -20,11 +20,10 @@ _SPARE = 256  # how much larger the tile of noise is than a picture [px]
 class Lens:
     """Conversion of an ideal pinhole camera's picture to the picture that the camera takes.
 
-    Distortion is exactly that of `CameraModel`: each pixel looks along the ray that its `undistort`
-    returns. `K` (3, 3) and `size` (width, height) in [px] are those of the ideal picture, which is larger
-    so that it holds all rays. Light falls off across the picture in a direction that the seed draws. Noise
-    is cut from one tile of Gaussian noise at an offset keyed by the period: independent from pixel to
-    pixel, and from period to period except for a shift.
+    Each pixel looks along the ray that `CameraModel.undistort` returns for it. `K` (3, 3) and `size` (width,
+    height) in [px] belong to the ideal picture, which is larger to hold the rays of all pixels. Light falls
+    off across the picture in a direction drawn from the seed. Noise is cut from one tile of Gaussian noise
+    at an offset that depends on the period: pixels are independent, and two periods differ by a shift.
     """
 
     def __init__(self, camera: CameraModel, errors: Errors, seed: int) -> None:

@@ -23,9 +23,10 @@ _AROUND = frozenset({Rest.TABLE, Rest.FLOOR})
 
 
 class Renderer:
-    """Painter of a scene for one camera, far things first, convex bodies face by face.
+    """Renderer of a simulated scene's pictures for one grey camera.
 
-    Things are painted as their props say. Not shown: the arm beyond its fingers, the base.
+    It paints convex bodies face by face, far ones first (painter's algorithm). Of the robot only the
+    fingers and the tray are shown.
     """
 
     def __init__(self, camera: CameraModel, errors: Errors, seed: int) -> None:
@@ -46,7 +47,9 @@ class Renderer:
         return self._lens.take(self.ideal(scene, world_T_camera), period)
 
     def ideal(self, scene: Scene, world_T_camera: Transform) -> ByteArray:
-        """Return the larger ideal picture (h, w), grey, without lens, light and noise.
+        """Return the grey picture (h, w) of an ideal pinhole camera, without distortion, light and noise.
+
+        It is larger than the camera's picture, so that the lens can distort it.
 
         Args:
             scene: true state of the world.

@@ -18,10 +18,11 @@ from .simulated_sensor import SensorSite
 
 
 class FieldImu(SimulatedImu):
-    """Gyros whose bias decays while they warm up, and wanders, with errors of scale; accelerometers with
-    errors.
+    """Simulated IMU for open ground, with the errors of real gyros and accelerometers.
 
-    The accelerometers measure speeding up, curves and, while the base moves, vibration.
+    The gyros have errors of scale, a bias that decays while they warm up, and a random walk of it. The
+    accelerometers measure the base's acceleration along its path and in curves, with a bias, noise and,
+    while the base moves, vibration.
     """
 
     STATE: ClassVar = {
@@ -55,7 +56,7 @@ class FieldImu(SimulatedImu):
         return np.asarray(self._turn.T @ self._carried() + self._felt + self._felt_bias + noise)
 
     def advance(self, period: int) -> None:
-        """Update after a period."""
+        """Update biases, turning rates and accelerations from the base's motion in the period just ended."""
         self._wander(period)
         now = self._scene.base
         if now == self._place and self._speed == 0.0:

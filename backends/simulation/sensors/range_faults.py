@@ -26,7 +26,7 @@ class RangeFaults(NamedTuple):
 
     @classmethod
     def of(cls, errors: Errors) -> Self:
-        """Return the shares from the percentages of a robot's file."""
+        """Convert the fault percentages of a lidar in a robot's file to shares from 0 to 1."""
         percents = (
             errors.range_zero_percent,
             errors.range_nan_percent,
@@ -41,7 +41,7 @@ class RangeFaults(NamedTuple):
         return max(self) > 0.0
 
     def spoil(self, ranges: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """Return the ranges (n,) of one scan with its faults, in [m].
+        """Return the ranges (n,) of one lidar scan, in [m], with random faults added.
 
         Args:
             ranges: (n,) true ranges, in [m].

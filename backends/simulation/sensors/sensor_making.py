@@ -16,7 +16,7 @@ from .simulated_sensor import SensorSite, SimulatedSensor
 
 
 class NotSimulated(InputError):
-    """A kind of sensor is not simulated by a backend."""
+    """Error of a robot's file that has a kind of sensor the chosen backend does not simulate."""
 
     def __init__(self, sensor: str, kind: SensorKind, backend: str) -> None:
         allowed = f"allowed: another backend (it is simulated for {listed(kind.simulated)}), or no {sensor!r}"
@@ -42,12 +42,12 @@ class SensorMaker(NamedTuple):
 
 
 def make_sensors(robot: RobotFile, simulations: Sequence[str], backend: str) -> dict[str, SensorMaker]:
-    """Return how each sensor of a robot is built, by its name.
+    """Return the function that builds each sensor of a robot, by the sensor's name.
 
     Args:
         robot: robot file.
-        simulations: names under which a kind may be simulated for this backend, the first one that it has
-            counts.
+        simulations: names of simulations that this backend can use; of those that a kind of sensor has, the
+            first one is used.
         backend: name of the backend for messages.
 
     Raises:

@@ -21,8 +21,8 @@ from .simulated_sensor import SensorSite, SimulatedSensor
 class SimulatedBeacons(Beacons, SimulatedSensor):
     """Ranges to radio beacons, with errors from the robot's and the world's file.
 
-    The robot's file has white noise, a bias of each beacon and a scale of all ranges; the world's file has
-    the beacons' true positions and the random walk of their biases. Nothing obstructs the signals.
+    The robot's file sets white noise, a bias for each beacon and a scale error of all ranges. The world's
+    file sets the beacons' true positions and the random walk of their biases. Nothing obstructs the signals.
     """
 
     STATE: ClassVar = {"_ranges": BeaconRanges | None, "_bias": FloatArray}
@@ -58,7 +58,7 @@ class SimulatedBeacons(Beacons, SimulatedSensor):
         return self._ranges
 
     def advance(self, period: int) -> None:
-        """Update after a period."""
+        """Measure the ranges if a measurement is due in this period; otherwise report none."""
         self._ranges = None
         if period % self._every:
             return

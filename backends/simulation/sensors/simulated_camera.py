@@ -23,7 +23,10 @@ from .simulated_sensor import SensorSite, SimulatedSensor
 
 
 class SimulatedCamera(PlacedCamera, SimulatedSensor):
-    """Camera that takes pictures on demand with its true lens and pose, but states the known ones."""
+    """Camera that takes pictures on demand with its true lens and pose.
+
+    It reports the nominal lens and pose of the robot's file, which differ from the true ones by `errors`.
+    """
 
     STATE: ClassVar[Kinds] = {"_now": int}
     """Attributes that a checkpoint keeps, with their types."""
@@ -60,7 +63,7 @@ class SimulatedCamera(PlacedCamera, SimulatedSensor):
         return self._last[1]
 
     def advance(self, period: int) -> None:
-        """Begin a new period."""
+        """Begin a new period, in which the next request takes a new picture."""
         self._now = period
 
 

@@ -21,7 +21,11 @@ from .simulated_sensor import SensorSite, SimulatedSensor
 
 
 class SimulatedGps(Gps, SimulatedSensor):
-    """Receiver with white and slow errors of its own; reflections, outliers and outages are the world's."""
+    """Simulated GNSS receiver.
+
+    White noise and slow drift come from the robot's file; reflections, outliers and outages come from the
+    world's file.
+    """
 
     STATE: ClassVar = {
         "_fix": Fix | None,
@@ -71,7 +75,7 @@ class SimulatedGps(Gps, SimulatedSensor):
         return self._fix
 
     def advance(self, period: int) -> None:
-        """Update after a period."""
+        """Measure a fix if one is due in this period, outside outages; otherwise report none."""
         self._fix = None
         if period % self._every:
             return

@@ -21,8 +21,9 @@ GRAVITY_M_S2 = 9.81  # [m/s²]
 
 
 class SimulatedImu(Imu, SimulatedSensor):
-    """Gyros with white noise and a constant bias; accelerometers that measure nothing but gravity, with
-    noise.
+    """Simulated IMU with simple errors.
+
+    The gyros have white noise and a constant bias; the accelerometers measure only gravity, with noise.
     """
 
     STATE: ClassVar[Kinds] = {"_turn": FloatArray, "_turned": FloatArray, "_now": int}
@@ -66,7 +67,7 @@ class SimulatedImu(Imu, SimulatedSensor):
         return np.asarray(self._turn.T @ self._carried() + noise)
 
     def advance(self, period: int) -> None:
-        """Update after a period."""
+        """Update the readings from the robot's rotation in the period just ended."""
         turn = self._scene.world_T_base[:3, :3]
         stands = turn.tobytes() == self._turn.tobytes()
         self._turned = np.zeros(3) if stands else pin.log3(self._turn.T @ turn)

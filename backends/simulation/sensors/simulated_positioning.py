@@ -19,9 +19,10 @@ _ROUNDING = 1e-9
 
 
 class SimulatedPositioning(Positioning, SimulatedSensor):
-    """The true pose with white noise, at the system's own rate, reported after its latency.
+    """Simulated external positioning system, which reports the robot's true pose with white noise.
 
-    The robot is always in sight and the system never slips; the map's frame is its own.
+    It measures at its own rate and reports after its latency. The robot is always in its sight, it has no
+    outliers, and its frame is that of the map.
     """
 
     SETTLED_FIRST = True
@@ -64,7 +65,7 @@ class SimulatedPositioning(Positioning, SimulatedSensor):
         return PoseReading(number, pose, self._now * self._period - when)
 
     def advance(self, period: int) -> None:
-        """Begin a new period."""
+        """Take the measurements due in this period, and report those whose latency is over."""
         self._now = period
         self._take()
 

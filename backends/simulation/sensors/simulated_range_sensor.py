@@ -22,10 +22,11 @@ from .simulated_sensor import SimulatedSensor
 
 
 class SimulatedRangeSensor(RangeSensor, SimulatedSensor):
-    """Beams all at one instant, with Gaussian noise and the driver's faults; nothing is black or oblique.
+    """Simulated lidar with Gaussian noise and the faulty readings of a driver.
 
-    It delivers what a driver does: readings below `range_min_m` as -infinity (REP 117), and the shares of
-    zeros, NaN, -infinity and returns of the robot's own body that the robot's file has under `errors`.
+    All beams are measured at one instant. Black surfaces and flat angles lose no readings. A reading below
+    `range_min_m` is -infinity (REP 117). `errors` in the robot's file sets the shares of beams that read
+    zero, NaN, -infinity or the robot's own body.
     """
 
     STATE: ClassVar[Kinds] = {"_now": int}
@@ -60,7 +61,7 @@ class SimulatedRangeSensor(RangeSensor, SimulatedSensor):
         return self._last[1]
 
     def advance(self, period: int) -> None:
-        """Begin a new period."""
+        """Begin a new period, in which the next request takes a new scan."""
         self._now = period
 
     def _noisy(self, true: FloatArray, period: int) -> Scan:

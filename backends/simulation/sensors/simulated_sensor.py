@@ -48,7 +48,7 @@ class SensorSite(Generic[S]):
 
 
 class SimulatedSensor(ABC):
-    """A part of each simulated sensor, next to its capability.
+    """Base class of simulated sensors; each also implements the interface of its kind, such as `Gps`.
 
     A simulation builds it with `build`, calls `advance` once a period, and saves the attributes of `STATE`
     in checkpoints.
@@ -65,12 +65,12 @@ class SimulatedSensor(ABC):
         """Build the sensor.
 
         Raises:
-            InputError: it cannot be simulated for this robot.
+            InputError: the sensor cannot be simulated for this robot.
         """
 
     @abstractmethod
     def advance(self, period: int) -> None:
-        """Update after a period; `period` is the number of periods so far."""
+        """Update the sensor's readings after a control period; `period` is the number of periods so far."""
 
     def close(self) -> None:
         """Release all resources; a second call does nothing."""

@@ -40,11 +40,11 @@ class Canvas:
         self._projection = K @ self._turn.T
 
     def seen_from_front(self, corner: FloatArray, normal: FloatArray) -> bool:
-        """Return whether the camera is on the side of a face that its normal points to.
+        """Return whether the camera sees the front of a flat face, the side to which the normal points.
 
         Args:
             corner: (3,) any point of the face in the world, in [m].
-            normal: (3,) in the world, of any length.
+            normal: (3,) normal of the face in the world, of any length.
         """
         return bool((self.eye - corner) @ normal > 0.0)
 

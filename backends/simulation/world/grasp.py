@@ -20,7 +20,7 @@ _LENGTHWISE = np.cos(np.radians(45.0))  # between the pads and the axis of a cyl
 
 
 class Pads(NamedTuple):
-    """Two fingers around a place."""
+    """Pose, opening and shape of a gripper's two fingers."""
 
     world_T_hand: Transform
     """Pose world_T_hand (4, 4); the fingers close along the hand's y axis, and point along its x axis."""
@@ -29,7 +29,7 @@ class Pads(NamedTuple):
     finger: FingerShape
 
     def outer(self) -> float:
-        """Return the distance from the middle to a finger's outer side, in [m]."""
+        """Return the distance from the middle between the fingers to a finger's outer side, in [m]."""
         return self.width / 2 + self.finger.thickness
 
 
@@ -39,7 +39,10 @@ def thickness(thing: Thing, pads: Pads) -> float:
 
 
 def fits(thing: Thing, pads: Pads) -> bool:
-    """Return whether closing pads meet a box squarely, on both sides; a cylinder from any side around it."""
+    """Return whether the fingers would grip a thing when they close: it is between the pads, within reach.
+
+    The pads must meet two opposite sides of a box squarely; a cylinder may have any angle about its axis.
+    """
     finger = pads.finger
     reach = np.array([PAD_LENGTH_M / 2, pads.outer(), finger.height / 2])
     middle = inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle
@@ -68,7 +71,8 @@ def aside_at_pads(thing: Thing, pads: Pads) -> float:
 def hand_T_gripped(thing: Thing, pads: Pads) -> Transform:
     """Return hand_T_thing (4, 4) of a thing after the pads have closed on it.
 
-    Its sides align with the pads, and its middle moves to the middle between them; along the pads it stays.
+    The thing turns until its sides are parallel to the pads, and its middle moves to the middle between the
+    pads. It does not slide along the pads.
     """
     hand_T_middle = inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle
     side = _side(thing, hand_T_middle, _across(thing, pads))
@@ -80,7 +84,7 @@ def hand_T_gripped(thing: Thing, pads: Pads) -> Transform:
 
 
 def extent(axis: FloatArray, size: tuple[float, float, float]) -> FloatArray:
-    """Return how far a cylinder reaches (3,) along x, y and z, from end to end, in [m].
+    """Return the size (3,) of a cylinder's bounding box along x, y and z, in [m].
 
     Args:
         axis: (3,) unit vector along the cylinder.

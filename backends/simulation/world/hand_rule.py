@@ -16,7 +16,7 @@ FORCE_CAP = 60.0  # force at which the hand's drives yield [N]
 
 
 class Met(NamedTuple):
-    """End of an arm's motion."""
+    """Result of an arm's motion in one period: where it stopped, and by which contact force."""
 
     joints: FloatArray
     """Joints (n,) at which the arm stops, in [rad] or [m]: the given array itself, if nothing stops it."""
@@ -41,14 +41,14 @@ class HandRule:
     """Name of the body that stops the arm by that torsion."""
 
     def aim(self, joints: FloatArray) -> None:
-        """Note the joints (n,), in [rad] or [m], that the arm moves towards."""
+        """Store the goal of the arm's motion: its joints (n,), in [rad] or [m]."""
 
     def decides(self, body: str, other: str) -> bool:
-        """Return whether this rule, instead of rigid geometry, handles a pair of bodies."""
+        """Return whether this rule decides on the contact of two bodies, instead of rigid geometry."""
         return False
 
     def meet(self, start: FloatArray, joints: FloatArray) -> Met:
-        """Return how far the arm gets in a period, and move the things that yield.
+        """Return the joints that the arm reaches in a period, and move the things that it pushes away.
 
         Args:
             start: (n,) joints at the start, in [rad] or [m].
@@ -69,8 +69,8 @@ class HandRule:
         return np.zeros(3)
 
     def room(self) -> float:
-        """Return the largest possible opening of the fingers at their place, in [m]."""
+        """Return the largest opening of the fingers, in [m], for which the things around them leave room."""
         return float("inf")
 
     def gripped(self, thing: Thing) -> None:
-        """Handle a grasp: the fingers have closed on a thing, whose pose is still that before the grasp."""
+        """React to a grasp: the fingers have closed on a thing, but its pose is not yet updated."""

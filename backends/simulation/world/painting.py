@@ -47,7 +47,7 @@ INSCRIBED_SQUARE_RATIO = float(np.sqrt(0.5))  # of a circle's diameter: side of 
 
 
 class Painted(NamedTuple):
-    """Drawable object; more distant objects are painted first."""
+    """Object of a scene with the function that paints it; more distant objects are painted first."""
 
     middle: FloatArray
     """Middle (3,) of the object in the world, in [m]; more distant objects are painted first."""

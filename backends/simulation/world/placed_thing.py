@@ -18,7 +18,7 @@ from .world_file import FloorPose, Millimetres, Name
 
 
 class PlacedSpec(FloorPose):
-    """A thing, and where a person sets it down: the middle of its foot."""
+    """Size of a thing, and the pose at which a person sets it down: that of its underside's middle."""
 
     name: Name
     on: Literal["world", "robot"] = "world"

@@ -25,10 +25,11 @@ FileModelT = TypeVar("FileModelT", bound=FileModel)
 
 
 class Props(SceneProps, Generic[FileModelT]):
-    """Things of a domain in a scene: their set-up, appearance, grasp, release and behaviour.
+    """Base class for the simulated things of one application domain in a scene.
 
-    One subclass for each domain, named by `Domain.props`. Methods that are not overridden treat things as
-    passive boxes on tables, on the robot and on each other.
+    A subclass defines how the things are set up, look, are gripped and released, and change; the attribute
+    `Domain.props` names it. Methods that are not overridden treat things as passive boxes on tables, on the
+    robot and on each other.
     """
 
     section: ClassVar[type[FileModel]]
@@ -55,16 +56,16 @@ class Props(SceneProps, Generic[FileModelT]):
 
     @classmethod
     def solids(cls, spec: FileModelT) -> Sequence[Solid]:
-        """Return the immovable bodies that the robot may run into."""
+        """Return the domain's immovable bodies, with which the robot may collide."""
         return ()
 
     @classmethod
     def findings(cls, loaded: Loaded[FileModelT], robot: RobotFile) -> Iterator[Finding]:
-        """Yield the faults between the world's file and the robot that is put into it."""
+        """Yield the findings about keys of the world's file that do not fit the given robot."""
         yield from ()
 
     def set_up(self) -> None:
-        """Set everything up as a person does. Draws from `keyed` with `self.seed` alone."""
+        """Create the domain's things where a person sets them up, with errors drawn from `self.seed`."""
 
     @override
     def let_go(self, thing: Thing) -> None:

@@ -30,7 +30,7 @@ ScenePropsT = TypeVar("ScenePropsT", bound=SceneProps)
 
 
 class Contact(NamedTuple):
-    """The beginning of a contact."""
+    """Beginning of a contact between a part of the robot and another body."""
 
     time: float
     """Simulated time at which the contact began, in [s]."""
@@ -47,7 +47,7 @@ def level(x: float, y: float) -> float:
 
 @dataclass(eq=False)
 class Scene:
-    """World and robot as they truly are.
+    """True state of the simulated world and of the robot in it.
 
     `base` is the 2D pose world_T_base; `joints` (n,) in [rad] or [m]; `width` the opening between the finger
     pads in [m]; `hand_force` (3,) of the surroundings on the hand in [N] in the hand frame, without noise;
@@ -130,7 +130,7 @@ class Scene:
 
     @property
     def held_name(self) -> str | None:
-        """Name of the held object, or None."""
+        """Name of the object that the robot's hand holds; None if it holds none."""
         return None if self.held is None else self.held.name
 
     @held_name.setter
@@ -156,8 +156,10 @@ class Scene:
         return self.leaning_at(self.base) if self.tilted_base is None else self.tilted_base
 
     def leaning_at(self, base: Pose2) -> Transform:
-        """Return world_T_base (4, 4) of a base at another 2D pose, with the tilt on its suspension that it
-        has now.
+        """Return world_T_base (4, 4) if the base were at another 2D pose with its present tilt.
+
+        Args:
+            base: 2D pose world_T_base; the tilt is that of the base on its suspension.
         """
         if self._leant is None or self._leant[0] != (base, self.lean):
             pose = base.lift()
@@ -173,7 +175,11 @@ class Scene:
         return self.world_T_base @ self.arm.forward(self.joints, frame)
 
     def of(self, kind: type[ScenePropsT]) -> ScenePropsT:
-        """Return a domain's objects, by the class of its props; empty if the world's file has none."""
+        """Return the things of one domain in this scene, which are empty if the world's file has none.
+
+        Args:
+            kind: class of the domain's things.
+        """
         found = next((prop for prop in self.props.values() if isinstance(prop, kind)), None)
         return kind.none_in(self) if found is None else found
 
@@ -182,7 +188,7 @@ class Scene:
         return [thing for props in self.props.values() for thing in props.things()]
 
     def props_of(self, thing: Thing) -> SceneProps:
-        """Return the props of the domain of a thing."""
+        """Return the collection, of one domain, that a thing belongs to."""
         known = self._owners.get(id(thing))
         if known is None or known[0] is not thing:
             owner = next(
@@ -192,7 +198,7 @@ class Scene:
         return known[1]
 
     def riding(self) -> list[Thing]:
-        """Return the things on the robot."""
+        """Return the things that the robot carries on its own table or tray, not in its hand."""
         tray = Rest.TRAY  # looked up in an enumeration slowly, and there may be many things
         return [thing for props in self.props.values() for thing in props.things() if thing.rest is tray]
 
@@ -230,7 +236,7 @@ class Scene:
         self._carry_along()
 
     def lean_to(self, lean: tuple[float, float]) -> None:
-        """Set the lean of the base on its suspension, roll and pitch in [rad]."""
+        """Tilt the base on its suspension by a roll and pitch in [rad], together with its load."""
         if lean != self.lean:
             self.lean = lean
             self._carry_along()

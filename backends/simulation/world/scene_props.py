@@ -21,7 +21,7 @@ from .painting import Painted, paint_thing
 
 
 class SceneProps(ABC):
-    """Things of a domain in a scene: how they look, are gripped and let go, and what they do; see `Props`."""
+    """Interface through which a scene handles the things of one application domain; see `Props`."""
 
     STATE: ClassVar[Kinds] = {}
     """Attributes that a checkpoint keeps, with their types: its things, and what else changes."""
@@ -40,7 +40,7 @@ class SceneProps(ABC):
         return ()
 
     def painted(self, rests: frozenset[Rest]) -> Iterable[Painted]:
-        """Yield the surfaces that the camera sees of things with one of these rests."""
+        """Yield the drawable surfaces of the things that have one of the supports `rests`."""
         for thing in self.things():
             if thing.rest in rests:
                 yield paint_thing(thing)
@@ -48,11 +48,11 @@ class SceneProps(ABC):
     # What happens
 
     def taken(self, thing: Thing) -> None:
-        """Mark a thing as carried by the hand alone."""
+        """Record that the hand has lifted a thing: only the hand supports it now."""
         thing.rest = Rest.HAND
 
     def step(self) -> None:
-        """Begin a period: let things change by themselves."""
+        """Begin a period: update things that move or change without the robot."""
 
     def hand_force(self) -> FloatArray:
         """Return the force (3,) that the props add to the hand's reading, in the hand frame, in [N]."""
@@ -61,15 +61,18 @@ class SceneProps(ABC):
     # Props in a hand without physics
 
     def hand_rule(self, arm: ArmModel) -> HandRule | None:
-        """Return the rule that replaces rigid geometry between the hand and these things; called once."""
+        """Return the rule for contacts of the hand with the domain's things; None for rigid geometry.
+
+        It is called once for a scene.
+        """
         return None
 
     def thickness(self, thing: Thing, pads: Pads) -> float:
-        """Return the thickness of a thing between the pads, in [m]."""
+        """Return the thickness of a thing in the direction in which the finger pads close, in [m]."""
         return thickness(thing, pads)
 
     def fits(self, thing: Thing, pads: Pads) -> bool:
-        """Return whether closing pads meet a thing so that they can hold it."""
+        """Return whether the finger pads would hold a thing if they closed at their present pose."""
         return fits(thing, pads)
 
     def gripped(self, thing: Thing, pads: Pads) -> Transform:
@@ -92,4 +95,4 @@ class SceneProps(ABC):
 
     @abstractmethod
     def rested(self, thing: Thing) -> None:
-        """Set the support of a thing that is not held, after physics has set its pose."""
+        """Update what a released thing rests on, after the physics engine has moved the thing."""

@@ -15,7 +15,7 @@ Levels = Sequence[tuple[ByteArray, float]]
 
 
 class Sheet:
-    """Picture on a level surface that is seen from above, and that nothing touches.
+    """Printed picture on a level surface, which cameras see from above and nothing collides with.
 
     Its frame: origin in the middle, x to the right of the picture, y up, z upwards.
     """

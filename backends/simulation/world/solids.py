@@ -40,13 +40,13 @@ class Solid:
 
     @property
     def material(self) -> Material:
-        """Material of its sides, in pictures in colour."""
+        """Material of the solid's sides in colour pictures."""
         if self.box.name.startswith("wall"):
             return PLASTER_MATERIAL
         return WOOD_MATERIAL if " of " in self.box.name else LACQUER_MATERIAL
 
     def reaches(self, height: float) -> bool:
-        """Return whether it cuts the level plane at a height, in [m]."""
+        """Return whether the solid intersects the level plane at a height, in [m]."""
         return abs(float(self.box.pose[2, 3]) - height) <= self.box.size[2] / 2
 
 
@@ -55,7 +55,10 @@ THE_GROUND = Solid(Box(Pose2(0.0, 0.0, 0.0).lift(-0.5), (_WIDE, _WIDE, 1.0), "th
 
 
 def room_of(world: WorldFile) -> list[Solid]:
-    """Return the walls, furniture, surprises and tables of a world, without ground and domains' solids."""
+    """Return the walls, furniture, tables and surprises (obstacles that no map shows) of a world.
+
+    The ground and the solids of application domains are not included.
+    """
     solids = [of_wall(wall, number) for number, wall in enumerate(world.walls)]
     solids += [of_furniture(piece) for piece in (*world.furniture, *world.surprises)]
     return solids + [part for table in world.tables for part in of_table(table)]
@@ -96,7 +99,7 @@ def of_table(table: TableSpec) -> tuple[Solid, Solid]:
 
 
 class FloorPlan:
-    """The outlines of those solids that reach into a range of heights, as arrays."""
+    """Floor plan: outlines, as arrays, of the solids that reach into a range of heights."""
 
     def __init__(self, solids: Sequence[Solid], low: float, high: float) -> None:
         """Keep the solids that reach into the range between the heights `low` and `high`, in [m]."""
@@ -131,8 +134,7 @@ class FloorPlan:
         return np.column_stack((self.cos * dx + self.sin * dy, self.cos * dy - self.sin * dx))
 
     def gap(self, base: Pose2, footprint: Footprint, time: float) -> tuple[float, str]:
-        """Return the distance of a footprint at world_T_base to the nearest present outline in [m], and its
-        name.
+        """Return the distance of a footprint to the nearest present outline in [m], and the solid's name.
 
         Below 0 they overlap; infinity without outlines.
         """
@@ -170,7 +172,7 @@ class FloorPlan:
         return np.asarray(distance + np.minimum(np.maximum(out_x, out_y), 0.0))
 
     def clearance(self, x: float, y: float, time: float) -> tuple[float, str]:
-        """Return the distance of a point to the nearest present outline in [m], and its name.
+        """Return the distance of a point to the nearest present outline in [m], and the solid's name.
 
         Below 0 the point is inside; infinity if no outline is present.
 

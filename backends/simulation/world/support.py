@@ -26,9 +26,9 @@ TRAY_LINK = "tray"
 def put_down(scene: Scene, thing: Thing) -> None:
     """Drop a box from its current pose.
 
-    It rests flat on tables, the robot's own table or other things if these are at most 10 mm below its
-    foot and its middle is within the hull of the areas that carry it; so a box may bridge a gap. Otherwise
-    it falls to the floor and is lost to the robot.
+    The box rests flat on tables, the robot's own table or other things if these are at most 10 mm below its
+    underside and its middle is within the convex hull of the areas that carry it. It may bridge a gap.
+    Otherwise it falls to the floor and is lost to the robot.
     """
     scene.changes += 1
     thing.rest = Rest.FLOOR
@@ -51,8 +51,8 @@ def put_down(scene: Scene, thing: Thing) -> None:
 def rest_of(scene: Scene, thing: Thing) -> Rest:
     """Return the support of a box that physics has moved: tray, table of the world, open ground, or floor.
 
-    A box on another box has the support of that one. A toppled box is lost to the robot, wherever it lies;
-    on sloping ground it is upright if it is aligned with the ground.
+    A box on another box has the other box's support. A toppled box counts as on the floor, lost to the
+    robot, wherever it lies. A box on sloping ground is upright if it is aligned with the ground.
     """
     toppled = thing.tilt() > TOPPLED_TILT_RAD
     if not toppled and scene.robot.has_tray:

@@ -11,12 +11,11 @@ from handcart.robotics.geometry.transform import Transform, transform
 
 @lru_cache(maxsize=16)
 def leaning(lean: tuple[float, float], pivot: float) -> Transform:
-    """Return upright_T_leaning (4, 4), the pose of a leaning base in the frame of the upright base; it is
-    read-only.
+    """Return upright_T_leaning (4, 4), the read-only pose of a tilted base in the upright base's frame.
 
     Args:
         lean: roll and pitch, in [rad].
-        pivot: height of the point that stays where it is, in [m].
+        pivot: height of the point about which the base tilts, in [m].
     """
     up, down = transform((0.0, 0.0, pivot)), transform((0.0, 0.0, -pivot))
     pose = np.asarray(up @ transform(rpy=(lean[0], lean[1], 0.0)) @ down)

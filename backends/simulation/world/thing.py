@@ -23,7 +23,7 @@ Side = Literal["-x", "+x", "-y", "+y", "-z", "+z"]
 
 
 class Rest(Enum):
-    """Support of a thing."""
+    """Body that supports a thing, such as the robot's tray, its hand or a table."""
 
     TRAY = "tray"
     HAND = "hand"
@@ -41,7 +41,7 @@ class Thing(ABC):
 
     The origin of its frame is in its bottom face; z points up.
 
-    A subclass is a dataclass; its fields that `__init__` takes are kept in checkpoints.
+    Subclasses are dataclasses. Checkpoints keep those fields that `__init__` takes.
     """
 
     DENSITY: ClassVar[float] = 600.0
@@ -87,35 +87,39 @@ class Thing(ABC):
 
     @property
     def mass(self) -> float:
-        """Mass in [kg]."""
+        """Mass of the thing, in [kg] (default: its volume times `DENSITY`)."""
         length, width, height = self.size
         return self.DENSITY * (length * width * height)
 
     @property
     def grey(self) -> int:
-        """Grey of its sides, 0 to 255, under full light."""
+        """Grey of the thing's sides under full light, 0 to 255."""
         return 150
 
     @property
     def material(self) -> Material:
-        """Material of its unprinted sides, in pictures for people."""
+        """Material of the thing's unprinted sides, in colour pictures for people."""
         return PALE_WOOD
 
     def faces(self) -> Mapping[Side, ByteArray]:
-        """Return the grey pictures (h, w) printed on its sides, each filling one side; missing sides are
-        plain.
+        """Return the grey pictures (h, w) printed on the thing's sides; sides without a picture are plain.
 
+        Each picture fills its side.
         Pictures are as seen from outside, z up; "+z" from above and "-z" from below, x to the right. This is
         called for each image that is taken: the pictures may change, but the set of printed sides must not.
         """
         return {}
 
     def box(self) -> Box:
-        """Return the solid, or the box around a round one, posed in the world."""
+        """Return the thing as a box posed in the world; for a cylinder, the box around it."""
         return Box(self.pose @ self.thing_T_middle, self.size, self.name)
 
     def solid(self, less: float = 0.0) -> Box | Cylinder:
-        """Return the solid, posed in the world, `less` shorter along each of its axes, in [m]."""
+        """Return the thing as a box or cylinder posed in the world.
+
+        Args:
+            less: length by which the solid is made smaller along each of its axes, in [m].
+        """
         pose, (x, y, z) = self.pose @ self.thing_T_middle, (side - less for side in self.size)
         return Cylinder(pose, x / 2, z, self.name) if self.is_round else Box(pose, (x, y, z), self.name)
 
@@ -126,7 +130,7 @@ class Thing(ABC):
 
 @lru_cache(maxsize=256)
 def middle_frame(ahead: float, above: float) -> Transform:
-    """Return the pose (4, 4), not turned, at x = `ahead` and z = `above` in [m]; it is read-only."""
+    """Return a pose (4, 4) without rotation at x = `ahead` and z = `above` in [m]; the array is read-only."""
     pose = np.eye(4)
     pose[0, 3], pose[2, 3] = ahead, above
     pose.flags.writeable = False

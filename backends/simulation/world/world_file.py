@@ -19,7 +19,7 @@ from handcart.robotics.geometry.pose2 import Pose2, wrap
 
 
 class MissingWorld(InputError):
-    """A simulated backend was asked for without a world to simulate."""
+    """Error of a caller who starts a simulated backend without a world to simulate."""
 
 
 Coordinate = Annotated[float, Field(ge=-1e7, le=1e7)]  # as on maps, which may use a grid of the Earth
@@ -31,7 +31,7 @@ Name = Annotated[str, Field(min_length=1, max_length=60)]
 
 
 class FloorPose(FileModel):
-    """A pose on the floor."""
+    """Pose on the floor in the world frame, as keys of a world's file; a base class of things with a pose."""
 
     x_m: Coordinate
     y_m: Coordinate
@@ -39,7 +39,7 @@ class FloorPose(FileModel):
 
 
 def floor_pose(pose: Pose2) -> FloorPose:
-    """Return world_T_base as a world's file has it."""
+    """Convert a 2D pose world_T_base to the keys `x_m`, `y_m`, `heading_deg` of a world's file."""
     return FloorPose(x_m=pose.x, y_m=pose.y, heading_deg=math.degrees(wrap(pose.theta)))
 
 
@@ -100,7 +100,7 @@ class TableSpec(FloorPose):
 
 
 class OutageSpec(FileModel):
-    """A time without satellites."""
+    """Interval of simulated time in which the satellite receiver has no fix."""
 
     from_s: Seconds
     to_s: Seconds
@@ -123,7 +123,7 @@ class SkySpec(FileModel):
 
 
 class BeaconsThere(FileModel):
-    """Differences of the radio beacons from the robot's file."""
+    """Differences of the true radio beacons from the robot's file: moved positions and drifting biases."""
 
     places_m: dict[str, BeaconPlace] = Field(default_factory=dict)
     """True positions of beacons that were moved, by name."""
@@ -136,7 +136,7 @@ class BeaconsThere(FileModel):
 
 
 class KidnapSpec(FileModel):
-    """A person lifts the robot and sets it down elsewhere; its wheels do not turn."""
+    """Time and pose at which a person lifts the robot and sets it down elsewhere, without turning wheels."""
 
     at_s: Annotated[float, Field(gt=0.0)]
     """Simulated time at which it happens, pauses counted."""

@@ -42,7 +42,7 @@ def load_world_or_map(path: Path, start: Pose2) -> WorldFile:
 
 
 def read_world(path: Path) -> tuple[Loaded[WorldFile], WorldFile]:
-    """Return the file's own content with the place of each value, and the world that `load_world` returns.
+    """Return a world's file with line and column of each value, and the world that `load_world` returns.
 
     Raises:
         FileError: the file is invalid.
@@ -55,7 +55,7 @@ def read_world(path: Path) -> tuple[Loaded[WorldFile], WorldFile]:
 
 
 def on_the_map(world: WorldFile, grid: GridMap) -> WorldFile:
-    """Return a world whose furniture includes the occupied cells of its map."""
+    """Return a copy of a world with the occupied cells of a map as additional furniture."""
     return world.model_copy(update={"furniture": (*world.furniture, *_standing(grid)), "map": None})
 
 

@@ -31,7 +31,7 @@ def passer_findings(
 
     Args:
         loaded: the world's file, with the places of its values.
-        robot: robot that is put into it.
+        robot: robot that starts in this world.
         solids: all solids of the world; those that come or go are not checked.
     """
     world = loaded.value

@@ -36,12 +36,12 @@ def world_findings(
     initial_pose: Pose2 | None,
     grid: GridMap | None,
 ) -> Iterator[Finding]:
-    """Yield faults of a world that prevent a run from beginning well.
+    """Yield faults of a world that spoil the start of a run, such as a robot that starts inside a wall.
 
     Args:
         loaded: the world's file.
         world: the same world, with the solids of its map.
-        robot: robot that is placed in it.
+        robot: robot that starts in this world.
         initial_pose: initial map_T_base as given to the robot; None if it is given none.
         grid: the map that the robot is given, if any.
     """
@@ -58,7 +58,7 @@ def world_findings(
 
 
 def solids_of(world: WorldFile) -> list[Solid]:
-    """Return all solids in a world, including domains' solids and surprises."""
+    """Return all solids in a world, including those of application domains and surprises."""
     kinds = kinds_of_props().values()
     solids = room_of(world)
     return solids + [

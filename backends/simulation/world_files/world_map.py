@@ -16,13 +16,13 @@ MAX_CELLS = 25_000_000  # of one map, as a picture of 5000 by 5000 pixels
 
 
 class NoMap(InputError):
-    """A world of which no map can be drawn."""
+    """Error for a world of which no map can be drawn: it is empty at the map's height, or too large."""
 
 
 def map_of_world(world: WorldFile, height: float, resolution: float) -> GridMap:
-    """Return the map of everything in a world that cuts the level plane at a height.
+    """Return the occupancy grid of the solids in a world that intersect the level plane at a height.
 
-    Surprises are excluded, because no map shows them.
+    Surprises, obstacles unknown to the robot, are excluded.
 
     Args:
         world: the world, as `load_world` returns it.
@@ -54,7 +54,7 @@ def map_of_world(world: WorldFile, height: float, resolution: float) -> GridMap:
 
 
 def shown_solids(world: WorldFile, height: float) -> list[Solid]:
-    """Return the solids of a world that cut the level plane at a height in [m], without surprises."""
+    """Return the solids of a world, without surprises, that intersect the level plane at a height in [m]."""
     surprises = {surprise.name for surprise in world.surprises if isinstance(surprise, Surprise)}
     return [solid for solid in solids_of(world) if solid.box.name not in surprises and solid.reaches(height)]
 

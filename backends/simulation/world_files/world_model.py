@@ -18,18 +18,20 @@ if TYPE_CHECKING:
 
 
 def kinds_of_props() -> Mapping[str, type[Props[Any]]]:
-    """Return the classes of the domains' objects in simulated worlds, by name of the domain, in a fixed
-    order.
+    """Return the class that simulates the things of each application domain, by the domain's name.
+
+    The order is fixed.
     """
     declared = domain.domains()
     return {domain_.name: domain.imported(domain_.props) for domain_ in declared if domain_.props is not None}
 
 
 def world_model() -> type[WorldFile]:
-    """Return the model of a world's file; it is one of each domain's `Props.section` as well.
+    """Return the pydantic model of a world's file, composed of `WorldFile` and each domain's `Props.section`.
 
     Raises:
-        ValueError: two domains want the same key, or name a validator alike; or a key has no default.
+        ValueError: two domains define the same key or a validator of the same name, or a domain's key has no
+            default.
     """
     return _composed(tuple(prop.section for prop in kinds_of_props().values()))
 

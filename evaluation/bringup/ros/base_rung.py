@@ -24,7 +24,7 @@ MAX_COMMAND_ERROR = 0.4
 
 
 class BaseAxis(NamedTuple):
-    """A direction of the base."""
+    """Direction of a test motion of the base, with the question for the operator who measures it."""
 
     name: str
     """Field of `Motion`."""
@@ -38,7 +38,10 @@ class BaseAxis(NamedTuple):
 
 
 class BaseRung(Rung[RosSite]):
-    """Step that moves the base a little along each axis, and compares three measurements."""
+    """Bring-up step that moves the base a little along each axis and checks that measurements agree.
+
+    It compares command, odometry, lidar and the operator's tape measure.
+    """
 
     name = "base"
     summary = (

@@ -21,7 +21,7 @@ SETTLE_S = 1.0
 
 
 class Motion(NamedTuple):
-    """Motion of the base, in its frame."""
+    """Motion of the base in its own frame, as distances or as speeds."""
 
     forward: float
     """Motion forward, in [m]."""
@@ -61,7 +61,7 @@ def moved(site: RosSite, before: WheelTravel, now: WheelTravel) -> Motion:
 
 
 def true_pose(backend: RosBackend) -> Pose2:
-    """Return the true pose of the base on a bench; zero for a real robot."""
+    """Return the true pose world_T_base on a simulated bench; the zero pose for a real robot."""
     truth = backend.ground_truth()
     return Pose2(0.0, 0.0, 0.0) if truth is None else truth.base
 
@@ -73,7 +73,7 @@ def true_motion(before: Pose2, now: Pose2) -> Motion:
 
 
 class DriveTrial(NamedTuple):
-    """Result of a drive at constant speeds."""
+    """Commanded, measured and true motion of the base in a drive at constant speeds."""
 
     commanded: Motion
     """Speeds times their duration."""

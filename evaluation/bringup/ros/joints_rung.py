@@ -39,7 +39,7 @@ VISIBLE_MM = 2.0
 
 
 class JointTrial(NamedTuple):
-    """A small motion of one joint, in [rad] or [m]."""
+    """Commanded, measured and true amount of a small motion of one joint, in [rad] or [m]."""
 
     commanded: float
     read: float
@@ -130,7 +130,14 @@ def _check_posture(site: RosSite, backend: RosBackend, model: ArmModel) -> Facts
 
 
 def nudge(site: RosSite, backend: RosBackend, number: int, way: float, held: Held) -> JointTrial:
-    """Move the command of one joint by `way` in [rad] or [m], never farther, and wait for rest.
+    """Command a small motion of one joint while a key is held, wait for rest, and return the result.
+
+    Args:
+        site: robot or bench.
+        backend: the robot.
+        number: number of the joint, from 0.
+        way: motion by which the joint's command changes, in [rad] or [m]; it never changes by more.
+        held: returns whether the key is still held.
 
     Raises:
         RungFailed: the key was let go.

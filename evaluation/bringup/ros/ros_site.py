@@ -24,7 +24,7 @@ from handcart.networks.runs.robot_claim import claimed
 
 @dataclass
 class RosSite(RobotSite):
-    """Robot by topics, or its bench in this process."""
+    """Robot that is connected by ROS topics, or its simulated bench in this process."""
 
     differences: RobotDifferences = field(default_factory=RobotDifferences)
     """Differences between the bench's robot and the file."""
@@ -53,14 +53,17 @@ class RosSite(RobotSite):
 
     @contextmanager
     def air(self) -> Iterator[tuple[Link, Callable[[], None]]]:
-        """Yield a connection to the topics, and a function that waits for a short time."""
+        """Yield a connection to the topics, and a function that waits briefly while messages arrive."""
         inner = self._simulated(0) if self.bench else None
         with connected(self.robot, self.spec, inner, self.differences) as both:
             yield both
 
     @contextmanager
     def backend(self, seed: int = 0) -> Iterator[RosBackend]:
-        """Yield the robot at rest, each topic heard; a real one is claimed for this process."""
+        """Yield the backend of the robot at rest, after a message of each topic has arrived.
+
+        A real robot is reserved for this process meanwhile.
+        """
         bench = None
         if self.bench:
             inner = self._simulated(seed)

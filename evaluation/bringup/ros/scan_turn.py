@@ -28,7 +28,7 @@ def scan_of(backend: RosBackend) -> Scan | None:
 
 
 def check_side(site: RosSite, before: Scan | None, after: Scan | None, turn: float) -> None:
-    """Check that what the lidar sees turns against the base.
+    """Check that the lidar's scan turns in the opposite direction to the base.
 
     Args:
         site: robot or bench.

@@ -19,7 +19,7 @@ DRIVE_S = 1.5
 
 
 class SilenceRung(Rung[RosSite]):
-    """Step that drives slowly, sends nothing any more, and measures until the base stops by itself."""
+    """Bring-up step that measures how soon the slowly driving base stops when commands are no longer sent."""
 
     name = "silence"
     summary = f"the base stops by itself within {MAX_KEPT_S:g} s when no command comes"

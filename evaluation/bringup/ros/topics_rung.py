@@ -11,7 +11,7 @@ from .ros_site import RosSite
 
 
 class TopicsRung(Rung[RosSite]):
-    """Step that checks that all topics are on the air and fit the robot's file."""
+    """Bring-up step that checks that all ROS topics of the robot's file exist and fit that file."""
 
     name = "topics"
     summary = "each topic is on the air and as the file says; rates, gaps and ages of stamps are recorded"

@@ -9,8 +9,7 @@ UNIT_TOLERANCE = 0.4
 
 
 def unit_hint(read: float, true: float) -> str:
-    """Return in words how a reading differs from the truth: in sign, by the factor of a unit, or by another
-    factor.
+    """Describe how a reading differs from the true value: by its sign, by a wrong unit, or by a factor.
 
     Args:
         read: the reading, in any unit.

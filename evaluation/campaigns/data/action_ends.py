@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class ActionEnds(RunObserver):
-    """Record of the ends of a trial's actions."""
+    """Observer of a trial that records the outcome, time and reason of each action that ends."""
 
     def __init__(self) -> None:
         """Begin with an empty record."""
@@ -31,7 +31,7 @@ class ActionEnds(RunObserver):
         self._names = names_in_network(prepared.task)
 
     def event(self, event: Event) -> None:
-        """Record an action that has ended."""
+        """Record the outcome of an action if the event is the end of one; ignore other events."""
         if not isinstance(event, Ended):
             return
         action, outcome, causes = event.action, event.outcome, event.primitive.evidence.causes
@@ -60,6 +60,9 @@ def action_names(task: Task) -> list[str]:
 
 
 def names_in_network(task: Task) -> dict[int, str]:
-    """Return the names of actions by their numbers in the network; skips have no name."""
+    """Return the names of a task's actions by their numbers in its network.
+
+    Actions that only skip an element are not in the task's file and have no name.
+    """
     names = action_names(task)
     return {number: names[entry] for number, entry in enumerate(task.entries) if entry is not None}

@@ -31,7 +31,7 @@ _NAMES_ALONE = (
 
 
 class NoCampaign(InputError):
-    """Error: a folder holds no campaign that can be read or continued."""
+    """Error for a folder without a campaign that can be read or continued."""
 
     def __init__(self, folder: Path, wrong: str) -> None:
         words = f"{folder}: {wrong}; allowed: the folder of a campaign, made by handcart campaign --out"
@@ -39,7 +39,7 @@ class NoCampaign(InputError):
 
 
 class OtherCampaign(InputError):
-    """Error: a folder belongs to a campaign with other arguments."""
+    """Error for a folder that belongs to a campaign with other arguments."""
 
     def __init__(self, folder: Path, different: list[str]) -> None:
         listed = "".join(f"\n  {text}" for text in different)
@@ -49,7 +49,7 @@ class OtherCampaign(InputError):
 
 @dataclass(frozen=True)
 class CampaignFolder:
-    """Folder of a campaign, or of a shard of one."""
+    """Folder with arguments, trials and runs of a campaign, or of a shard (one part of a campaign)."""
 
     folder: Path
     arguments: Arguments
@@ -101,7 +101,7 @@ class CampaignFolder:
         """Open an existing campaign folder whose trials are runs or walks, not populations.
 
         Raises:
-            NoCampaign: the folder holds no such campaign.
+            NoCampaign: the folder holds no campaign of runs or walks.
         """
         found = cls.read(folder)
         if found.arguments.get("rare"):
@@ -128,7 +128,7 @@ class CampaignFolder:
 
 
 def differences(there: Arguments, asked: Arguments, but: tuple[str, ...] = ()) -> list[str]:
-    """Describe the differences between the arguments of two campaigns.
+    """Describe the differences between the arguments of two campaigns, one text for each.
 
     Args:
         there: arguments in a campaign's folder.

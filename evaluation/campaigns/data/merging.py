@@ -14,7 +14,7 @@ from .campaign_folder import CampaignFolder, differences
 
 
 class NotOneCampaign(InputError):
-    """Error: folders are not the shards of one campaign."""
+    """Error for folders that are not the shards (parts) of one campaign."""
 
 
 def merged(parts: Sequence[Path], out: Path) -> CampaignFolder:

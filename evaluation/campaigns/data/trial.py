@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 
 class ActionEnd(NamedTuple):
-    """Outcome of a started action."""
+    """End of one action in a trial: its name, situations, outcome and reason."""
 
     action: str
     """Name from the task file, the same for all elements of a repeat: `MOVE_TO (loaded to there)`."""
@@ -67,7 +67,7 @@ class Trial:
 
     @property
     def cancelled(self) -> bool:
-        """True if a person stopped the trial; then it says nothing about the task."""
+        """True if a person stopped the trial; its outcome is then no evidence about the task."""
         return bool(self.summary["outcome"] == "Cancelled")
 
     @property
@@ -86,8 +86,6 @@ class Trial:
 
 
 def died(seed: int, reason: str) -> Trial:
-    """Return the trial of a seed whose process dies each time, through a fault in handcart or in a
-    library.
-    """
+    """Return a trial with outcome Error for a seed whose process crashed in every attempt."""
     nothing = {"sim_time_s": 0.0, "wall_time_s": 0.0, "actions": 0, "fails": 0, "metrics": {}}
     return Trial(seed, 5, {"outcome": "Error", "reason": reason, "seed": seed, "run_dir": "", **nothing})

@@ -25,14 +25,14 @@ MAX_LINE = 64 * 2**20
 
 
 class TrialLogError(HandcartError):
-    """Error: the log of trials cannot be written, or a line is damaged. Exit status 5."""
+    """Error for a log of trials that cannot be written or has a damaged line; exit status 5."""
 
     def __init__(self, path: Path, reason: str) -> None:
         super().__init__(printable(f"{path}: {reason}"))
 
 
 class CampaignAlive(InputError):
-    """Error: another process is running the campaign."""
+    """Error for a campaign folder whose campaign is being run by another process."""
 
     def __init__(self, path: Path) -> None:
         words = (
@@ -42,7 +42,7 @@ class CampaignAlive(InputError):
 
 
 class TrialFile(Sequence[Trial]):
-    """Sequence of the trials in a log, ordered by seed; each is read on access."""
+    """Sequence of the trials in a log file, ordered by seed; a trial is read from disk when accessed."""
 
     def __init__(self, path: Path, offsets: Iterable[tuple[int, int]]) -> None:
         """Index a log.
@@ -84,7 +84,9 @@ class TrialFile(Sequence[Trial]):
 
 
 class TrialLog:
-    """Context manager that appends trials to a log, each seed once; one process at a time.
+    """Log file of a campaign's trials, a context manager that lets one process at a time append to it.
+
+    It holds each seed once.
 
     An incomplete last line, left by a crash, is removed when the log is opened. Any other damage is an
     error.
@@ -168,7 +170,7 @@ class TrialLog:
 
 
 def line_of(trial: Trial) -> bytes:
-    """Return the line of a trial, with its checksum."""
+    """Return the line of JSON that stores a trial in a log, with a checksum."""
     fields: dict[str, Any] = {
         "seed": trial.seed,
         "status": trial.status,
@@ -184,7 +186,7 @@ def line_of(trial: Trial) -> bytes:
 
 
 def trial_of(line: bytes) -> Trial | None:
-    """Return the trial of a line, or None if the line is damaged."""
+    """Return the trial stored in a line of a log; None if the line is damaged."""
     line = line.rstrip(b"\n")
     body = line[:-_TAIL]
     if line[-_TAIL:] != b',"crc":"%08x"}' % zlib.crc32(body):

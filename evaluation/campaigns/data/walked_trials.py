@@ -30,7 +30,10 @@ _STREAM = 20  # separates these draws from others with the same seed
 
 
 class WalkedTrials:
-    """Reproducible trials of one task, drawn by the odds of its actions."""
+    """Reproducible trials of one task as random walks through its network of actions, without a robot.
+
+    Each action's end is drawn by its odds, the probabilities of its outcomes.
+    """
 
     def __init__(self, task: Task, odds: Odds, side_by_side: int = WALK_BATCH_SIZE) -> None:
         """Prepare without walking.
@@ -45,12 +48,12 @@ class WalkedTrials:
         self._kept: tuple[int, Walked] | None = None
 
     def trial(self, seed: int) -> Trial:
-        """Return the trial of a seed."""
+        """Walk through the network with the random numbers of a seed, and return the trial."""
         number, column = divmod(seed, self.side_by_side)
         return self.trial_of(seed, self.together(number), column)
 
     def together(self, number: int) -> Walked:
-        """Return the walks of batch `number`: those of the seeds from `number * side_by_side` on."""
+        """Return the walks of one batch of `side_by_side` seeds, from the seed `number * side_by_side` on."""
         if self._kept is None or self._kept[0] != number:
             draws = np.random.default_rng([_STREAM, number % 2**64])
             self._kept = number, self.walker.walk(draws, self.side_by_side)
