@@ -25,7 +25,7 @@ _OF_A_SENSOR = ("stale sensor", "NaN")
 
 
 class PlannedFault(FileModel):
-    """A fault and its time: one of `at_s`, `every_s` and `rate_per_s`."""
+    """Fault to inject, and its time: once (`at_s`), periodically (`every_s`) or at random (`rate_per_s`)."""
 
     kind: Literal[
         "exception", "refused command", "stuck actuator", "slip", "stale sensor", "NaN", "lidar faults"
@@ -54,7 +54,7 @@ class PlannedFault(FileModel):
         return self
 
     def fault(self) -> Fault:
-        """Return the fault to inject."""
+        """Convert these keys of a faults file to the fault to inject."""
         turn = math.radians(self.turn_deg_s)
         return Fault(FaultKind(self.kind), self.sensor, self.periods, self.speed_m_s, turn)
 
@@ -76,14 +76,14 @@ class PlannedFault(FileModel):
 
 
 class FaultPlan(FileModel):
-    """Content of a file of faults."""
+    """Content of a faults file: the faults to inject into each trial of a campaign."""
 
     format: Literal["handcart-faults/1"]
     faults: Annotated[list[PlannedFault], Field(min_length=1)]
 
 
 def load_faults(path: Path) -> FaultPlan:
-    """Load a file of faults.
+    """Load a file of faults that are injected into trials.
 
     Raises:
         FileError: the file is invalid.
@@ -92,10 +92,10 @@ def load_faults(path: Path) -> FaultPlan:
 
 
 class InjectedFaults(RunObserver):
-    """Injector of a plan's faults into a trial, by a layer around the trial's backend.
+    """Observer that injects the faults of a plan into a trial, through a wrapper of the trial's backend.
 
-    Only one fault is active: a new fault ends the one before it. Exceptions reach the next caller of the
-    backend other than the localizer, which runs above all backends alike.
+    Only one fault is active: a new fault ends the one before it. A fault that raises an exception raises it
+    in the next call of the backend that does not come from the localizer.
     """
 
     def __init__(self, plan: FaultPlan, seed: int) -> None:

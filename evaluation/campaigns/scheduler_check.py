@@ -16,11 +16,11 @@ MAX_FILE = 2**20  # of a scheduler's file [bytes]
 
 
 class NoCluster(InputError):
-    """Error: no scheduler or no worker is available; nothing has moved."""
+    """Error for a cluster without an available scheduler or worker; no trial has been run."""
 
 
 class NoScheduler(NoCluster):
-    """Error: the program at the address is not a scheduler, or nothing answers."""
+    """Error for an address at which no program answers, or a program that is not a Dask scheduler."""
 
     def __init__(self, address: str, wrong: str) -> None:
         allowed = "allowed: the address of a Dask scheduler, such as tcp://10.0.0.1:8786"
@@ -28,9 +28,9 @@ class NoScheduler(NoCluster):
 
 
 def check_scheduler(address: str, timeout: float) -> None:
-    """Ask the program at an address to identify itself as a scheduler.
+    """Ask the program at an address to identify itself as a Dask scheduler, with a time-out.
 
-    The library itself retries as long as any program accepts its connections.
+    Dask's own client would retry for ever if another program accepted its connections.
 
     Args:
         address: such as `tcp://10.0.0.1:8786`, or the path of a scheduler's file.

@@ -22,7 +22,10 @@ if TYPE_CHECKING:
 
 
 def run_trial(setting: CampaignSetting, seed: int) -> Trial:
-    """Execute the trial of a seed: a run, in a world of its own if the setting says so, or a walk."""
+    """Execute one trial of a campaign, and return its result.
+
+    Depending on the setting, the trial is a run of the robot or a walk through the network of actions.
+    """
     if setting.varied is None:
         return _trial(setting, seed)
     row = setting.varied.row(seed, setting.seeds)
@@ -32,7 +35,7 @@ def run_trial(setting: CampaignSetting, seed: int) -> Trial:
 
 
 def run_beside(setting: CampaignSetting, seed: int) -> Trial:
-    """Execute the trial of a seed in this process, which is one of several that run trials in parallel."""
+    """Execute one trial in a process that is one of several: OpenCV uses only one thread."""
     if setting.level == "run":
         import cv2
 
@@ -67,7 +70,7 @@ def _population(setting: CampaignSetting, event: RareEvent, seed: int) -> Trial:
 
 
 def walked_trials(setting: CampaignSetting) -> WalkedTrials:
-    """Return the walks of a setting in which no robot moves.
+    """Return the random walks through the network of actions for a campaign without robot.
 
     Raises:
         FileError: the task's file is invalid, or lacks probabilities.

@@ -34,7 +34,10 @@ class Grid(FileModel):
 
 
 class Varied(FileModel):
-    """Number that varies, and its values: one of `list`, `grid`, `uniform`, `log_uniform` and `normal`."""
+    """Number in a file that varies from trial to trial.
+
+    One of `list`, `grid`, `uniform`, `log_uniform` and `normal` gives its values.
+    """
 
     file: Literal["task", "robot", "world"]
     key: str
@@ -66,7 +69,7 @@ class Varied(FileModel):
 
     @property
     def name(self) -> str:
-        """Name for people: `robot errors.slip`."""
+        """Name of the number in reports: file and key, such as `robot errors.slip`."""
         return f"{self.file} {self.key}"
 
     @property
@@ -75,7 +78,7 @@ class Varied(FileModel):
         return tuple(int(step) if step.isdecimal() else step for step in self.key.split("."))
 
     def values(self) -> Sequence[float] | None:
-        """All values; None for a distribution."""
+        """All values of the list or grid; None for a distribution."""
         if self.grid is not None:
             step = (self.grid.most - self.grid.least) / (self.grid.count - 1)
             return [self.grid.least + number * step for number in range(self.grid.count)]
@@ -98,7 +101,7 @@ class Varied(FileModel):
 
 
 class Variation(FileModel):
-    """Content of a file of variations."""
+    """Content of a variations file: numbers that vary from trial to trial, and the design of experiments."""
 
     format: Literal["handcart-vary/1"]
     design: Literal["grid", "random", "latin_hypercube"] = "random"
@@ -116,7 +119,7 @@ class Variation(FileModel):
         return self
 
     def row(self, seed: int, seeds: range) -> Mapping[str, float]:
-        """Return the varied numbers of one trial, by their names.
+        """Return the values that the varied numbers have in one trial, by the numbers' names.
 
         Args:
             seed: seed of the trial, one of `seeds`.

@@ -31,7 +31,7 @@ MAX_FAILED_STARTS = 20
 
 
 class TrialFault(HandcartError):
-    """Error: a trial cannot be run; it has the text and the exit status of the original error."""
+    """Error for a trial that cannot be run, with the text and exit status of the original error."""
 
     def __init__(self, words: str, exit_status: int = 5) -> None:
         super().__init__(words)
@@ -39,7 +39,7 @@ class TrialFault(HandcartError):
 
 
 class Worker:
-    """Process and its queue of seeds without a result, the running one first."""
+    """Worker process that runs trials, and its queue of seeds without a result, the running seed first."""
 
     def __init__(self, work: Work) -> None:
         context = get_context("spawn")
@@ -178,10 +178,10 @@ class Workers:
 
 
 def end(processes: Iterable[BaseProcess]) -> None:
-    """Ask processes to end until all have ended.
+    """Ask worker processes to end, again and again until all have ended.
 
-    A trial stops its robot first, and a trial that has just ended may be followed by another. An interrupt
-    here kills the processes.
+    One request may not be enough: it ends a running trial, which first stops its robot, but the process may
+    already begin the next trial. An interrupt during this function kills the processes.
     """
     alive = list(processes)
     try:

@@ -40,7 +40,7 @@ MAX_JOB_CPU_S = 600.0  # [s] of CPU time that a check or a liar gets
 
 @dataclass(frozen=True)
 class KitSetting:
-    """Setting of the conformance kit."""
+    """Settings of the conformance kit, which tests a backend with a robot: its parts and their extent."""
 
     backend: str
     robot: str = "librarian"
@@ -62,7 +62,7 @@ class KitSetting:
 
     @property
     def bench(self) -> KitBench:
-        """Return the bench on which checks run."""
+        """Return the bench, which creates the tested backend with its robot for each check."""
         return KitBench(self.backend, self.robot, self._files, quick=self.quick, simulated=self.simulated)
 
     @cached_property
@@ -72,7 +72,10 @@ class KitSetting:
         return RigFiles() if task is None or task.path("knowledge", "map") is None else RigFiles.of(task)
 
     def batches(self) -> list[Batch]:
-        """Return the faults to inject into REACH, and into each primitive of the tasks."""
+        """Return the work of injecting faults into REACH and each primitive of the tasks, as batches.
+
+        A batch is the work of one process.
+        """
         full, quick = QUICK_INSTANTS.get(self.simulated or self.backend, OTHER_INSTANTS)
         count = self.instants or (quick if self.quick else full)
         shares = math.ceil(count / MAX_INSTANTS_PER_JOB)
@@ -84,7 +87,7 @@ class KitSetting:
         ]
 
     def tried(self) -> list[str]:
-        """Return the names of the primitives into which faults can be injected."""
+        """Return the names of the primitives in the tasks, into which the kit can inject faults."""
         return sorted({name for _, _, name in self._actions})
 
     @cached_property
@@ -99,7 +102,7 @@ class KitSetting:
 
     @cached_property
     def rehearsals(self) -> tuple[Rehearsal, ...]:
-        """Rehearsals of `tasks`, each shortened by the settings that its domain declares."""
+        """Runs of `tasks` for the injection of faults, with shorter settings where a domain declares them."""
         short = declared()
         return tuple(
             Rehearsal(
@@ -113,14 +116,14 @@ class KitSetting:
 
     @cached_property
     def tasks(self) -> tuple[Path, ...]:
-        """Task files to test the robot with, the user's own or shipped ones."""
+        """Files of the tasks for the test, the user's own tasks or those shipped with handcart."""
         if self.own_tasks:
             return tuple(Path(task).resolve() for task in self.own_tasks)
         return repertoire(self.robot, self._chosen, self.simulated or self.backend)
 
     @cached_property
     def left_out(self) -> dict[str, str]:
-        """Reasons why primitives are not tried on this backend, by their names."""
+        """Reasons why faults are not injected into some primitives on this backend, by primitive name."""
         if self.own_tasks:
             return {}
         backend, tried = self.simulated or self.backend, self.tried()
@@ -133,14 +136,14 @@ class KitSetting:
         }
 
     def task_runs(self) -> list[OneRun]:
-        """Return the task runs of the kit, each without and with the robot's errors."""
+        """Return the runs of complete tasks: without simulated errors, and with errors for several seeds."""
         seeds = self.seeds or (SEEDS_QUICK if self.quick else SEEDS)
         chosen = [task for task in self.tasks if task.parent.name in self.only_tasks or not self.only_tasks]
         return task_runs(chosen, self.backend, seeds, self._chosen, self.simulated)
 
     @property
     def chosen_parts(self) -> Sequence[str]:
-        """Return the parts to run."""
+        """Return the selected parts of the kit; without a selection, the default parts of the mode."""
         return self.parts or (QUICK_PARTS if self.quick else KIT_PARTS)
 
     @property
@@ -160,7 +163,7 @@ def default_robot(own_tasks: Sequence[Path]) -> str:
 
 @dataclass(frozen=True)
 class OneCheck:
-    """Job that runs a check, given by its name."""
+    """Job for a worker process that runs one check of the conformance kit on a bench."""
 
     name: str
     bench: KitBench
@@ -181,7 +184,7 @@ class OneCheck:
 
 @dataclass(frozen=True)
 class OneMutant:
-    """Job that tries a mutant, given by its name."""
+    """Job for a worker process that tests whether the kit finds one mutant (deliberately faulty code)."""
 
     name: str
     bench: KitBench
@@ -198,7 +201,10 @@ Job = OneCheck | OneMutant | Batch | OneRun
 
 
 def jobs_of(setting: KitSetting) -> list[Job]:
-    """Return all jobs, in an order in which parallel processes end at about the same time."""
+    """Return the jobs of all selected parts of the kit.
+
+    Their order lets parallel processes end at about the same time.
+    """
     parts = setting.chosen_parts
     jobs: list[Job] = list(setting.task_runs()) if "tasks" in parts else []
     jobs += setting.batches() if "faults" in parts else []

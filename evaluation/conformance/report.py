@@ -21,7 +21,7 @@ OUTCOME_NAMES = ("Success", "Fail", "GiveUp")
 
 @dataclass(frozen=True)
 class Broken:
-    """A part of the kit that could not be run."""
+    """Job of the conformance kit that could not be run, and the reason."""
 
     name: str
     reason: str
@@ -83,7 +83,7 @@ class KitReport:
 
     @property
     def violations(self) -> list[FaultTrial]:
-        """Trials whose attempt ended with a false claim."""
+        """Trials whose outcome the ground truth contradicts."""
         return [trial for trial in self.trials if trial.ending.wrong]
 
     @property
@@ -93,7 +93,7 @@ class KitReport:
 
     @property
     def wrong_causes(self) -> list[FaultTrial]:
-        """Trials of `judged_causes` that named another cause."""
+        """Trials of `judged_causes` that named a cause which their fault does not have."""
         return [trial for trial in self.judged_causes if not trial.names_its_cause]
 
     @property
@@ -104,7 +104,7 @@ class KitReport:
 
     @property
     def planted(self) -> list[Caught]:
-        """Mutants that could be planted on this robot."""
+        """Results of the mutants that could be tried on this robot, which has the needed parts."""
         return [mutant for mutant in self.mutants if not mutant.skipped]
 
     @property
@@ -114,7 +114,7 @@ class KitReport:
 
     @property
     def ok(self) -> bool:
-        """True if every check holds."""
+        """True if all checks and tasks pass and faults, causes, mutants and jobs show no violation."""
         looked_at = (*self.checks, *self.tasks)
         wrong = self.violations or self.missed or self.broken or not self.causes_hold
         return not wrong and all(item.ok for item in looked_at)
@@ -155,7 +155,7 @@ class KitReport:
         return {key: dict(count) for key, count in found.items()}
 
     def lines(self) -> Iterator[str]:
-        """Yield the table, line by line."""
+        """Yield the report as lines of text: tables of checks, faults, mutants and tasks, and a summary."""
         if self.checks:
             yield f"checks of {self.backend} with {self.robot}"
             for check in self.checks:

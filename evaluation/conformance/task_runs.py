@@ -18,7 +18,7 @@ SIGNIFICANCE_LEVEL = 0.05  # probability by chance below which success rates cou
 
 
 class Ran(NamedTuple):
-    """Result of a task's run."""
+    """Result of running a task once on a backend: its outcome, and false outcomes of its actions."""
 
     task: str
     backend: str
@@ -33,14 +33,14 @@ class Ran(NamedTuple):
 
     @property
     def ends(self) -> str:
-        """Outcome, situation and reason as text."""
+        """Text that says how the run ended: outcome, situation and reason."""
         why = f" ({self.reason})" if self.reason else ""
         return f"{self.outcome} in {self.situation}{why}"
 
 
 @dataclass(frozen=True)
 class OneRun:
-    """A task that the kit runs once, with a seed, with or without errors."""
+    """Job that runs a task once on a backend, with or without the robot's simulated errors."""
 
     task: Path
     backend: str
@@ -81,8 +81,9 @@ def task_runs(
     settings: Mapping[str, str],
     simulated: str | None = None,
 ) -> list[OneRun]:
-    """Return all runs: each task on the backend and on the reference backend, once without errors, and once
-    for each seed with errors.
+    """Return the runs of each task on the tested backend and on the reference backend.
+
+    Each task runs once without simulated errors, and once for each seed with them.
 
     Args:
         tasks: files of the tasks.
@@ -102,7 +103,10 @@ def task_runs(
 
 
 def compared(runs: Sequence[Ran], backend: str) -> list[CheckResult]:
-    """Return results for each task: one for its runs without errors, one for those with errors."""
+    """Compare the runs of a backend with those of the reference backend, task by task.
+
+    Return two results for each task: one for its runs without simulated errors, one for runs with errors.
+    """
     return [
         finding
         for task in dict.fromkeys(run.task for run in runs)

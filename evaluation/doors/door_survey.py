@@ -18,7 +18,7 @@ from .door_truth import door_of, hinge_errors
 
 
 class DoorSurvey(FiguresSurvey):
-    """Errors of found hinges, and the greatest true force on the hand while it moves a door."""
+    """Evaluation of door tasks: true errors of found hinges, and the largest force on the hand at a door."""
 
     name = "doors"
     effects = DOOR_EFFECTS

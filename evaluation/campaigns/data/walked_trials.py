@@ -64,10 +64,12 @@ class WalkedTrials:
         return np.asarray(walked.seconds.sum(axis=0) + self._odds.rest_s)
 
     def trial_of(self, seed: int, walked: Walked, column: int) -> Trial:
-        """Return one walk as a trial; its actions are run again through the coordinator's decisions.
+        """Convert one walk to a trial with the records of its actions.
+
+        The coordinator's decisions are repeated for the walk's outcomes, to name its actions and reasons.
 
         Args:
-            seed: seed that the trial gets.
+            seed: seed of the trial.
             walked: walks of a batch.
             column: index of the walk in the batch.
         """
@@ -113,7 +115,7 @@ class WalkedTrials:
 
 
 class WalkedSequence(Sequence[Trial]):
-    """Sequence of the trials of a range of seeds; each is walked on access."""
+    """Sequence of the walked trials of a range of seeds; each trial is computed when it is accessed."""
 
     def __init__(self, trials: WalkedTrials, seeds: range) -> None:
         """Prepare the trials in the order of `seeds`, without walking."""
@@ -133,7 +135,7 @@ class WalkedSequence(Sequence[Trial]):
 
 
 def network_trials(task: Path, settings: Mapping[str, str]) -> WalkedTrials:
-    """Return walks through the network of a task's file, with the probabilities of the file.
+    """Return trials that walk through a task's network of actions, with the probabilities in its file.
 
     The file is read again only if it was changed since the last call.
 

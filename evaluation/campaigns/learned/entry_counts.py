@@ -26,7 +26,7 @@ MAX_P = 0.999
 
 
 class LearnedShare(NamedTuple):
-    """Probability of one cause of Fail, or of one result of Success."""
+    """Probability, learned from trials, that an action fails by one cause or succeeds with one result."""
 
     seen: int
     """Number of attempts that ended with this cause or result."""
@@ -52,7 +52,7 @@ class EntryCounts:
 
     @property
     def p(self) -> float:
-        """Expected probability of Success, rounded as in a task file."""
+        """Expected probability of Success, rounded to 3 decimals as in a task file."""
         return min(MAX_P, round(self.counts.chance.success, 3))
 
     @property
@@ -69,7 +69,7 @@ class EntryCounts:
 
     @property
     def by_cause(self) -> dict[str, LearnedShare]:
-        """Probabilities of the Fails of the causes that `on_fail` names; empty if they were not recorded."""
+        """Probability of a Fail by each cause in the action's `on_fail`; empty without recorded causes."""
         counts = self.counts
         if not counts.by_cause:
             return {}
@@ -83,7 +83,7 @@ class EntryCounts:
 
     @property
     def by_result(self) -> list[LearnedShare]:
-        """Probabilities of the results of Success, the usual one first; empty if they were not recorded."""
+        """Probability of each result of Success, the usual result first; empty without recorded results."""
         counts = self.counts
         rows = zip(counts.by_result, counts.chance.success_shares, counts.result_weights, strict=True)
         return [
@@ -110,9 +110,9 @@ class EntryCounts:
 
 
 def count_entries(task: Task, trials: Iterable[Trial]) -> list[EntryCounts]:
-    """Count the ends of each action of a task's file; one result for each, in the order of the file.
+    """Count how each action of a task's file ended in trials.
 
-    Trials that ended by a fault of the program do not count.
+    Trials that ended by a fault of the program do not count. The counts are in the order of the file.
     """
     kept = list(trials)
     seen = SeenActions.of(task, kept)

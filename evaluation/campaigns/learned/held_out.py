@@ -28,21 +28,24 @@ class HeldOut(NamedTuple):
 
 
 class Trust(NamedTuple):
-    """Result of a cross-validation of learned probabilities."""
+    """Result of a two-fold cross-validation of learned probabilities, by several predicted quantities."""
 
     tried: tuple[HeldOut, ...]
 
     @property
     def wrong(self) -> HeldOut | None:
-        """The most significant false prediction; None if no difference is significant (Bonferroni over
-        all).
+        """Prediction that differs most significantly from the measurement; None if none is significant.
+
+        The level of significance is corrected for the number of predictions (Bonferroni).
         """
         worst = min(self.tried, key=lambda item: item.p_value)
         return worst if worst.p_value * len(self.tried) < SIGNIFICANCE_LEVEL else None
 
 
 def hold_out(task: Task, seen: SeenActions) -> Trust:
-    """Learn from each half of the trials, every other one, and predict the other half.
+    """Cross-validate learned probabilities: learn from each half of the trials, and predict the other half.
+
+    One half are the trials with even indices, the other half those with odd indices.
 
     Args:
         task: the task of the trials.

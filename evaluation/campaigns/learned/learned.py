@@ -25,12 +25,15 @@ MIN_TRIALS = 20
 
 
 class NothingLearned(InputError):
-    """Error: the campaigns do not allow a prediction for the task."""
+    """Error for campaigns from which no prediction for the task can be learned."""
 
 
 @dataclass(frozen=True)
 class Learned:
-    """Data of recorded trials for a task; it may connect the actions differently than the trials' task."""
+    """Action outcomes from recorded trials, to predict the success and duration of a task.
+
+    The task may arrange the actions differently than the trials' task did.
+    """
 
     task: Task
     folders: tuple[Path, ...]
@@ -62,7 +65,7 @@ class Learned:
         return cls(task, tuple(folders), seen)
 
     def check(self) -> None:
-        """Raise `NothingLearned` if one half of the trials does not predict the other."""
+        """Raise `NothingLearned` if predictions from one half of the trials are wrong for the other half."""
         wrong = self.trust.wrong
         if wrong is not None:
             raise NothingLearned(
@@ -74,12 +77,12 @@ class Learned:
 
     @cached_property
     def trust(self) -> Trust:
-        """Cross-validation of each half of the trials on the other."""
+        """Result of predicting each half of the trials from the other half."""
         return hold_out(self.task, self.seen)
 
     @cached_property
     def prediction(self) -> Prediction:
-        """Prediction from all trials together."""
+        """Success and duration of the task, predicted from all trials."""
         return predict(self.task, self.seen)
 
     @property
@@ -115,7 +118,7 @@ class Learned:
 
 
 def learned_trials(task: Path, settings: Mapping[str, str], folders: Sequence[Path]) -> WalkedTrials:
-    """Return walks through the network of a task's file, with odds learned from campaigns.
+    """Return trials that walk through a task's network, with probabilities learned from campaigns.
 
     The files are read again only if one was changed since the last call.
 

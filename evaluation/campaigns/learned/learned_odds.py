@@ -20,10 +20,12 @@ _LEAST = 1e-4  # probability of an unseen end, when likelihoods are compared
 
 
 class LearnedOdds:
-    """Odds of each action's end and duration by context; rare contexts are pooled with the others.
+    """Probabilities of each action's outcomes and durations, learned from trials by context.
 
-    The share of an end in a context is (its count + w times its share in all contexts) / (the context's
-    count + w), the mean of a Dirichlet posterior; durations are drawn from those seen with that end.
+    The context is the number of the action's earlier Fails and whether the action before it failed. Rare
+    contexts are pooled with the others: the share of an outcome in a context is (its count + w times its
+    share in all contexts) / (the context's count + w), the mean of a Dirichlet posterior. Durations are drawn
+    from those recorded with the same outcome.
     """
 
     def __init__(self, task: Task, seen: SeenActions, pooling: float | None = None) -> None:

@@ -32,7 +32,7 @@ class Prediction(NamedTuple):
 
     @property
     def sigma(self) -> tuple[float, float]:
-        """Standard errors of success and time, of learning and walking together."""
+        """Standard errors of the success probability and the mean time in [s], from the bootstrap samples."""
         success, time_s = self.resampled.std(axis=0, ddof=1).tolist()
         return success, time_s
 
@@ -50,7 +50,14 @@ class Prediction(NamedTuple):
 
 
 def predict(task: Task, seen: SeenActions) -> Prediction:
-    """Predict success and time by walks with fixed seeds, so that equal data gives equal predictions."""
+    """Predict the success and time of a task by simulated walks through its network of actions.
+
+    Seeds are fixed, so that equal data gives equal predictions.
+
+    Args:
+        task: the task.
+        seen: recorded actions, from which outcomes and durations are learned.
+    """
     table, odds = WalkTable(task.network), LearnedOdds(task, seen)
     success, time_s = _walked(table, odds, 4 * _WALKS, 0)
     draws = np.random.default_rng([_STREAM, 0])

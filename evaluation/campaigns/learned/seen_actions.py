@@ -19,7 +19,7 @@ _ENDS = {"Success": EndCode.SUCCESS, "Fail": EndCode.FAIL, "GiveUp": EndCode.GIV
 
 
 class SeenActions(NamedTuple):
-    """Columns of m actions that were started in n trials."""
+    """Table, as arrays, of the m actions that were started in n trials: their outcomes and durations."""
 
     trial: IntArray
     """(m,) index of the trial, from 0 to n - 1, ascending."""
@@ -40,7 +40,7 @@ class SeenActions(NamedTuple):
 
     @classmethod
     def of(cls, task: Task, trials: Iterable[Trial]) -> SeenActions:
-        """Read the actions of a task's trials.
+        """Collect the actions of trials, by their indices in a task's file.
 
         Trials that ended by a fault of the program, and actions that the task does not have, are
         skipped.
@@ -70,7 +70,11 @@ class SeenActions(NamedTuple):
         return cls(trial, entry, context, kind, columns[4], success, time_s, rest_s)
 
     def chosen(self, trials: IntArray) -> SeenActions:
-        """Return the columns of the trials with these indices (k,); an index may occur several times."""
+        """Return the actions of selected trials, as for a bootstrap sample.
+
+        Args:
+            trials: (k,) indices of the trials; an index may occur several times.
+        """
         begin = np.searchsorted(self.trial, trials)
         count = np.searchsorted(self.trial, trials, side="right") - begin
         place = np.repeat(np.arange(len(trials)), count)

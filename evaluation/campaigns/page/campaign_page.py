@@ -34,7 +34,7 @@ MOST_BLAMES = 100
 
 
 class CampaignPage:
-    """Page of the trials that a campaign's folder holds so far."""
+    """HTML report of the trials that a campaign's folder holds so far."""
 
     def __init__(self, found: CampaignFolder, report: CampaignReport, settling: Settling | None) -> None:
         """Prepare the page.
@@ -61,7 +61,7 @@ class CampaignPage:
         return cls(found, CampaignReport(trials if settling is None else trials[: settling.count]), settling)
 
     def write_runs(self) -> None:
-        """Write the pages of the runs to look at first; runs that cannot be read are skipped."""
+        """Write the report pages of the worst runs; runs that cannot be read are skipped."""
         for trial in self._report.worst():
             run = self._run(trial.run_name)
             if run is not None and not (run / REPORT_FILE).exists():

@@ -20,7 +20,7 @@ _SLACK = 1e-9  # of a step
 
 @dataclass(frozen=True)
 class PlotAxis:
-    """Axis from the least to the largest value along a width in [px]."""
+    """Horizontal axis of a plot, from the smallest to the largest value, with a width in [px]."""
 
     least: float
     most: float
@@ -63,7 +63,7 @@ class Bar:
 
 @dataclass(frozen=True)
 class Histogram:
-    """Histogram of a metric."""
+    """Histogram of a metric over trials, as bars with labels for an HTML page."""
 
     axis: PlotAxis
     bars: Sequence[Bar]

@@ -19,7 +19,7 @@ MAX_REASON_LETTERS = 160  # letters of a reason
 
 
 class TrialRow(NamedTuple):
-    """Row of the list of trials."""
+    """Row of a campaign page's table of trials: seed, outcome, metrics and link to the run."""
 
     seed: int
     outcome: str
@@ -32,7 +32,7 @@ class TrialRow(NamedTuple):
 
 
 class TrialTable:
-    """Table of trials: rows for the list, columns for the plots."""
+    """Table of a campaign's trials and their metrics, for the list and the plots of a campaign page."""
 
     def __init__(self, trials: Iterable[Trial]) -> None:
         """Read all trials, in the order of their seeds."""
@@ -58,15 +58,14 @@ class TrialTable:
         return column
 
     def differing(self) -> list[str]:
-        """Return the columns with different values: the general ones first, then by name."""
+        """Return the names of columns whose values differ: general metrics first, then others by name."""
         names = [*OF_ALL, *sorted(self.columns.keys() - set(OF_ALL))]
         return [name for name in names if not constant(self.columns[name])]
 
     def listed(self) -> tuple[list[str], list[TrialRow], int]:
-        """Return columns and rows of the list, and the number of trials that it omits.
+        """Return columns and rows of the page's list of trials, and the number of trials that it omits.
 
-        A page has to stay small: of very many trials, the least informative trials and columns are
-        omitted.
+        To keep the page small, the least informative trials and columns of a large campaign are omitted.
         """
         chosen = self._chosen()
         names = list(OF_ALL)

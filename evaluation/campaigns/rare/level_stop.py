@@ -17,14 +17,18 @@ from .rare_event import Importance
 
 
 class NotSplit(InputError):
-    """Error: runs on this backend cannot be continued repeatedly from one state."""
+    """Error for a backend whose runs cannot be continued several times from one saved state."""
 
     def __init__(self, backend: str) -> None:
         super().__init__(f"--rare on the backend {backend!r}; allowed: a simulated one that can be put back")
 
 
 class LevelStop(RunObserver):
-    """Observer that computes the importance of a run and stops it between two actions at a level."""
+    """Observer that stops a run after an action as soon as the run's importance has reached a level.
+
+    The importance, as in multilevel splitting, shows how near a run is to a rare outcome; it is computed from
+    the attempts of actions that are used up.
+    """
 
     def __init__(
         self, importance: Importance, level: int, heard: Interrupts, used: Mapping[int, int]
@@ -50,7 +54,7 @@ class LevelStop(RunObserver):
             raise NotSplit(prepared.backend_name)
 
     def event(self, event: Event) -> None:
-        """Count an action that has ended, and stop the run at the level."""
+        """Count an action that has ended, and stop the run if its importance has reached the level."""
         if not isinstance(event, Ended):
             return
         self.steps += 1
@@ -66,12 +70,14 @@ class LevelStop(RunObserver):
 
     @property
     def near(self) -> bool:
-        """True if the run has reached the level."""
+        """True if the run's importance has reached the level at which it is stopped."""
         return importance_of(self.used, self._importance) >= self._level
 
 
 def importance_of(used: Mapping[int, int], importance: Importance) -> int:
-    """Return the importance of a run, computed from its used attempts.
+    """Return the importance of a run, a measure of how near it is to a rare outcome.
+
+    It is the number of attempts that were used up, in total or of the action with the most.
 
     Args:
         used: number of used attempts, by index of the action.

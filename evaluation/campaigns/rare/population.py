@@ -10,7 +10,7 @@ from handcart.robotics.numerics.arrays import IndexArray
 
 
 class Level(NamedTuple):
-    """Result of the runs that started at a level."""
+    """Counts of the runs that started at one level of multilevel splitting, by how they ended."""
 
     runs: int
     reached: int
@@ -22,20 +22,20 @@ class Level(NamedTuple):
 
 
 class Runs(Protocol):
-    """Interface of runs that can be stopped at a level of importance and continued from there repeatedly."""
+    """Interface of runs that can be stopped at a level of importance and continued from it several times."""
 
     def advance(self, level: int, starts: IndexArray | int) -> Level:
         """Continue runs until they end or reach a level, and keep their states at the level.
 
         Args:
-            level: importance at which they are stopped, from 1.
+            level: importance at which the runs are stopped, from 1.
             starts: (n,) for each run, the index of the state kept at the previous level that it starts from;
                 or the number of runs that start from the beginning.
         """
 
 
 class Population(NamedTuple):
-    """Levels of a population, from the beginning to the last level that a run has reached."""
+    """Population of runs of multilevel splitting, as counts for each level that a run has reached."""
 
     levels: tuple[Level, ...]
 
@@ -49,17 +49,16 @@ class Population(NamedTuple):
     def probability(self) -> float:
         """Unbiased estimate of the probability of the rare outcome, valid with any number of runs.
 
-        Given the states in which the previous runs reached a level, each next run starts there like any
-        run that reaches it, and its result is weighted with the estimated share of runs that reach it
-        (Del Moral, Feynman-Kac Formulae, 2004, theorem 7.4.2). The position of the levels does not
-        affect this.
+        It is the sum over all levels of the share of hits among the runs that started at a level, weighted
+        with the estimated share of all runs that reach that level (Del Moral, Feynman-Kac Formulae, 2004,
+        theorem 7.4.2). It is unbiased for any choice of levels.
         """
         levels = zip(self.weights, self.levels, strict=True)
         return sum(weight * level.hits / level.runs for weight, level in levels)
 
     @property
     def steps(self) -> int:
-        """Number of actions that were started."""
+        """Number of actions that all runs of the population have started."""
         return sum(level.steps for level in self.levels)
 
     @property

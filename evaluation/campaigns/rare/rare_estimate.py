@@ -19,7 +19,7 @@ INTERVAL_ERROR_RATE = 0.05
 
 
 class LevelSeen(NamedTuple):
-    """Result of a level, added up over all populations."""
+    """Counts of the runs that started at one level of multilevel splitting, summed over all populations."""
 
     share: float
     """Estimated share of all runs that reach the level."""
@@ -32,12 +32,12 @@ class LevelSeen(NamedTuple):
 
     @property
     def part(self) -> float:
-        """Contribution of the level to the probability, if all populations are alike."""
+        """Contribution of the level to the probability of the rare outcome, if all populations are alike."""
         return self.share * self.hits / max(1, self.runs)
 
     @property
     def unseen(self) -> float:
-        """Upper bound (95 %) of the contribution of a level without a hit; 0 for a level with hits."""
+        """Upper bound (95 %) of the contribution of a level without a rare outcome; 0 for other levels."""
         return (
             0.0 if self.hits else self.share * -math.expm1(math.log(INTERVAL_ERROR_RATE) / max(1, self.runs))
         )
@@ -79,19 +79,19 @@ class RareEstimate:
 
     @property
     def unseen(self) -> float:
-        """Upper bound (95 %) of the contribution of outcomes straight from a level without a hit."""
+        """Largest upper bound (95 %) of the contribution of a level in which no run had the rare outcome."""
         return max((level.unseen for level in self.levels), default=1.0)
 
     @property
     def worth(self) -> float:
-        """Number of plain trials that would give the same standard error; 0 if it is unknown."""
+        """Number of trials without splitting that would give the same standard error; 0 if unknown."""
         if not self.probability or not 0.0 < self.sigma < math.inf:
             return 0.0
         return self.probability * (1.0 - self.probability) / self.sigma**2
 
     @property
     def cost(self) -> float:
-        """Number of plain trials that would start the same number of actions."""
+        """Number of trials without splitting that would start the same number of actions."""
         return self.steps / self.steps_of_a_run if self.steps_of_a_run else 0.0
 
     def agrees(self, exact: float) -> bool:

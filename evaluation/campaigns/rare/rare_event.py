@@ -23,7 +23,7 @@ class NoRareEvent(InputError):
 
 @dataclass(frozen=True)
 class RareEvent:
-    """Rare outcome whose probability is to be estimated."""
+    """Rare outcome of a run whose probability is estimated, and the settings of the splitting."""
 
     outcome: RunOutcome
     importance: Importance = "fails"

@@ -24,7 +24,7 @@ _WALKED, _RUN = 21, 22  # separate these random streams from others with the sam
 
 
 def walked_population(trials: WalkedTrials, event: RareEvent, seed: int) -> Trial:
-    """Return a population of walks through a network as a trial.
+    """Run a population of walks through a network by multilevel splitting, and return it as one trial.
 
     Args:
         trials: network and probabilities of the walks.
@@ -37,7 +37,7 @@ def walked_population(trials: WalkedTrials, event: RareEvent, seed: int) -> Tria
 
 
 def run_population(task: Path, runs: Path, options: RunOptions, event: RareEvent, seed: int) -> Trial:
-    """Return a population of runs on a simulated backend as a trial.
+    """Run a population on a simulated backend by multilevel splitting, and return it as one trial.
 
     Args:
         task: the task's file.

@@ -26,11 +26,11 @@ MAX_KEPT_RUNS = 10
 
 
 class BrokenRun(HandcartError):
-    """Error: a run ended by a fault of the program or by its own stop; its population does not count."""
+    """Error for a run that ended by a fault or was stopped, so that its population does not count."""
 
 
 class Stopped(NamedTuple):
-    """Run that was stopped when it reached a level of the splitting."""
+    """Run that was stopped at a level, with its folder and seed from which other runs continue."""
 
     folder: Path
     seed: SplitSeed
@@ -72,8 +72,9 @@ class SplitRuns:
         """Continue runs until they end or reach a level, and keep their states at the level.
 
         Args:
-            level: importance at which they are stopped, from 1.
-            starts: (n,) index of the kept state that each run starts from; or the number of new runs.
+            level: importance at which the runs are stopped, from 1.
+            starts: (n,) index of the state, kept at the previous level, that each run starts from; or the
+                number of new runs.
 
         Raises:
             KeyboardInterrupt: the user ended the estimate.

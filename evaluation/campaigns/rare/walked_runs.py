@@ -15,7 +15,7 @@ from .rare_event import RareEvent
 
 
 class WalkedRuns:
-    """Walks through a network that can be stopped at a level and continued from there."""
+    """Walks through a task's network that can be stopped at a level of importance and continued from it."""
 
     def __init__(
         self, network: ActionNetwork, walker: Walker, event: RareEvent, draws: np.random.Generator
@@ -37,8 +37,9 @@ class WalkedRuns:
         """Continue walks until they end or reach a level, and keep their states at the level.
 
         Args:
-            level: importance at which they are stopped, from 1.
-            starts: (n,) index of the kept state that each walk starts from; or the number of new walks.
+            level: importance at which the walks are stopped, from 1.
+            starts: (n,) index of the state, kept at the previous level, that each walk starts from; or the
+                number of new walks.
         """
         self._begin(starts)
         steps = 0

@@ -9,7 +9,7 @@ from .intervals import wilson
 
 @dataclass(frozen=True)
 class ActionShare:
-    """Counts of the outcomes of one action's attempts, over all elements of a repeat."""
+    """Counts of the outcomes of one action's attempts; all elements of a repeated section count together."""
 
     action: str
     """Name from the task file: `MOVE_TO (loaded to there)`."""

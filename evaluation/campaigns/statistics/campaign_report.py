@@ -36,7 +36,7 @@ class Spread:
 
 @dataclass(frozen=True)
 class CampaignReport:
-    """Report of a campaign; its trials are read one by one."""
+    """Statistics of a campaign: its success rate, outcomes, metrics and causes of failure."""
 
     trials: Sequence[Trial]
     """Trials in the order of their seeds."""
@@ -63,7 +63,7 @@ class CampaignReport:
 
     @property
     def outcomes(self) -> Counter[str]:
-        """Counts of outcomes, with the reason unless Success; `#` replaces numbers in it."""
+        """Counts of outcomes with their reasons; `#` replaces numbers in a reason, Success has none."""
         return self.tally.outcomes
 
     @property
@@ -81,7 +81,7 @@ class CampaignReport:
 
     @property
     def blames(self) -> list[tuple[Blame, int]]:
-        """Counts of Fails and GiveUps by primitive and cause, the most frequent first."""
+        """Counts of Fails and GiveUps by primitive (kind of action) and cause, the most frequent first."""
         return sorted(self.tally.blames.items(), key=lambda item: (-item[1], item[0]))
 
     @property
@@ -102,7 +102,8 @@ class CampaignReport:
         return Spread(count, least, median, most_95, most, float(values.mean()), *(bounds or (None, None)))
 
     def worst(self, most: int = WORST_TRIAL_COUNT) -> list[Trial]:
-        """Return at most `most` trials to look at first: false outcomes, then trials without Success, then
-        those with Fails.
+        """Return at most `most` trials to look at first.
+
+        First come trials with false outcomes, then trials without Success, then trials with Fails.
         """
         return [self.trials[-rank[-1]] for rank in self.tally.worst[:most]]

@@ -18,7 +18,7 @@ _FORM = re.compile(r"\s*p\s*(>|<)\s*(0?\.\d+)\s*")
 
 
 class NoClaim(InputError):
-    """Error: a text is not a claim about the success rate."""
+    """Error for a text that is not a claim about the success rate, such as `p > 0.95`."""
 
     def __init__(self, words: str) -> None:
         super().__init__(f'--until "{words}": no claim; allowed: "p > 0.95" or "p < 0.5", between 0 and 1')
@@ -26,7 +26,7 @@ class NoClaim(InputError):
 
 @dataclass(frozen=True)
 class RateClaim:
-    """Claim that the success rate is above, or below, a limit."""
+    """Claim that the success rate of a campaign is above, or below, a limit."""
 
     above: bool
     limit: float
@@ -49,9 +49,9 @@ class RateClaim:
     def verdict(self, successes: int, count: int) -> bool | None:
         """Return whether the claim holds, or None while undecided.
 
-        The claim holds if its limit is outside a confidence sequence: the rates whose bet against a uniform
-        mixture of all other rates has not gained a factor of 1 / `MAX_ERROR_PROBABILITY` (Robbins 1970). So
-        the verdict may be asked for after each trial.
+        The claim is decided once its limit is outside a confidence sequence (Robbins 1970): success rates are
+        excluded that are less likely by a factor of `MAX_ERROR_PROBABILITY` than a uniform mixture of all
+        rates. A confidence sequence remains valid if the verdict is computed after each trial.
         """
         failures = count - successes
         bet = float(betaln(1 + successes, 1 + failures))
@@ -62,10 +62,10 @@ class RateClaim:
 
 
 class Settling:
-    """State of a claim while trials end in any order.
+    """State of a claim about the success rate while parallel trials end in any order.
 
-    The verdict is asked for after each trial in the order of the seeds, so that the set of counted trials
-    does not depend on how long trials take.
+    Trials are counted in the order of their seeds, with a verdict after each, so that the counted trials do
+    not depend on how long trials take.
     """
 
     def __init__(self, claim: RateClaim, seeds: Sequence[int]) -> None:
@@ -77,9 +77,10 @@ class Settling:
         self._waiting: dict[int, bool] = {}
 
     def hear(self, trial: Trial) -> bool:
-        """Add a trial that has ended, in any order, and return whether the claim is decided.
+        """Add a trial that has ended, and return whether the claim is decided.
 
-        It counts once all trials before it in the order of the seeds have been added.
+        Trials may be added in any order. A trial counts once all trials before it in the order of the seeds
+        have been added.
         """
         self._waiting[trial.seed] = trial.success
         while self.verdict is None and self.count < len(self._seeds):
@@ -110,7 +111,7 @@ class Settling:
         return settling
 
     def words(self) -> str:
-        """Return the verdict as text."""
+        """Return the verdict on the claim, and the trials counted for it, as text."""
         if self.verdict is None:
             return f"{self.claim}: {self.count} trials are not enough to be sure"
         return f"{self.claim}: {'yes' if self.verdict else 'no'}, sure after {self.count} trials"

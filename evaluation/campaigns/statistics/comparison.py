@@ -28,7 +28,7 @@ MAX_EXAMPLES = 3
 
 
 class NoPairs(InputError):
-    """Error: two campaigns have no seed in common."""
+    """Error for two campaigns that cannot be compared because they have no seed in common."""
 
     def __init__(self) -> None:
         super().__init__("no seed is in both campaigns; needed: the same --first and --trials for both")
@@ -36,7 +36,7 @@ class NoPairs(InputError):
 
 @dataclass(frozen=True)
 class MetricChange:
-    """Change of a metric from one campaign to the other."""
+    """Mean change of one metric from a campaign to another, over pairs of trials, and its p-value."""
 
     name: str
     pairs: int
@@ -57,7 +57,7 @@ class MetricChange:
 
 @dataclass
 class Parting:
-    """Kind of first difference, over the pairs in which only one trial succeeded."""
+    """Pairs of trials with one kind of first different action, in which only one trial succeeded."""
 
     times: int = 0
     seeds: list[int] = field(default_factory=list)
@@ -66,7 +66,7 @@ class Parting:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Paired comparison of two campaigns."""
+    """Comparison of two campaigns by pairs of trials with equal seeds: metrics and success rates."""
 
     pairs: int
     unpaired: int
@@ -92,7 +92,7 @@ class Comparison:
 
     @property
     def worse(self) -> bool:
-        """True if the other campaign's success rate is significantly lower."""
+        """True if the second campaign's success rate is significantly lower than the first one's."""
         return self.success.proven and self.success.mean < 0.0
 
 
@@ -104,7 +104,7 @@ def compare(one: Sequence[Trial], other: Sequence[Trial]) -> Comparison:
         other: trials of the other campaign, in the order of their seeds.
 
     Raises:
-        NoPairs: they have no seed in common.
+        NoPairs: the campaigns have no seed in common.
     """
     count = Counter[str]()
     columns: dict[str, list[float]] = {}

@@ -10,7 +10,7 @@ from handcart.evaluation.campaigns.data.trial import ActionEnd, Trial
 
 @dataclass(frozen=True)
 class Divergence:
-    """First action in which two runs differ."""
+    """First action in which two runs differ by name or outcome."""
 
     number: int
     """Number of the action, from 1."""

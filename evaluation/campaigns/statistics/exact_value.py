@@ -21,7 +21,7 @@ MAX_EXACT_GAP = 1e-6
 
 @dataclass(frozen=True)
 class ExactValue:
-    """P(goal) by the probabilities in the task's file, and its agreement with the measured share."""
+    """Probability of the goal by the task's file, and how well the share of successful trials agrees."""
 
     goal: float
     p_value: float
@@ -29,7 +29,7 @@ class ExactValue:
 
     @property
     def agrees(self) -> bool:
-        """True if the measured share does not contradict the exact value."""
+        """True if the share of successful trials does not contradict the exact probability of the goal."""
         return self.p_value >= UNLIKELY_PROBABILITY
 
 

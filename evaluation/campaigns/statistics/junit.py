@@ -12,10 +12,10 @@ from .claim import Settling
 
 
 def write_junit(path: Path, name: str, trials: Iterable[Trial], settling: Settling | None) -> None:
-    """Write a test case for each trial, and one for a claim.
+    """Write a JUnit file with a test case for each trial, and one for a claim about the success rate.
 
-    A false outcome is a failure. A trial that does not reach the goal is a failure only without a claim
-    about the success rate, because a claim says how many may miss it.
+    A false outcome is a failure. A trial that does not reach the goal is a failure only without a claim,
+    because a claim allows a share of the trials to miss the goal.
 
     Raises:
         OSError: the file cannot be written.

@@ -72,11 +72,11 @@ def weights_of(first: str, others: list[str]) -> dict[str, float]:
 
 
 def e_value(only_one: int, only_other: int) -> float:
-    """Return the capital gained by betting against equal success rates, starting with 1.
+    """Return the e-value against equal success rates of two campaigns; large values show a difference.
 
-    The bet may be evaluated after each pair: if the rates are equal, the probability that it ever reaches 1 /
-    alpha is at most alpha (Ville 1939). The bet is the mixture over all rates by a uniform prior (Robbins
-    1970).
+    The value may be computed after each pair: if the rates are equal, the probability that it ever reaches
+    1 / alpha is at most alpha (Ville 1939). It is the likelihood ratio of a uniform mixture of all rates
+    (Robbins 1970) to equal rates.
 
     Args:
         only_one: number of pairs in which only the first campaign succeeded.
@@ -112,8 +112,8 @@ def mcnemar_power(difference: float, lost: float, pairs: int, alpha: float = SIG
 def smallest_difference(only_one: int, only_other: int, pairs: int) -> float | None:
     """Return the smallest difference of success rates that the test finds with the probability `TEST_POWER`.
 
-    The worse campaign is assumed to succeed alone as often as in the data. None if so few pairs cannot show
-    any difference.
+    The test is McNemar's. The share of pairs in which only the worse campaign succeeds is assumed to be that
+    of the data. None if the number of pairs is too small to show any difference.
 
     Args:
         only_one: number of pairs in which only the first campaign succeeded.

@@ -22,7 +22,7 @@ _NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?!\w)")
 
 
 class Blame(NamedTuple):
-    """A kind of Fail or GiveUp."""
+    """Primitive, outcome and cause that Fails or GiveUps are grouped by."""
 
     primitive: str
     outcome: str
@@ -48,7 +48,7 @@ def outcome_in_general(summary: Mapping[str, Any]) -> str:
 
 
 def figures(trial: Trial) -> dict[str, float | bool]:
-    """Return the metrics of a trial that are a number or yes or no, by name."""
+    """Return those metrics of a trial that are finite numbers or booleans, by name."""
     found = {**trial.summary["metrics"], **{key: trial.summary[key] for key in OF_ALL}}
     return {
         name: value
@@ -58,7 +58,7 @@ def figures(trial: Trial) -> dict[str, float | bool]:
 
 
 class Tally:
-    """Counts over trials; a few MB for 100,000 trials."""
+    """Counts and metrics of a campaign's trials, collected in one pass (a few MB for 100,000 trials)."""
 
     def __init__(self, trials: Iterable[Trial]) -> None:
         self.count = self.successes = 0
@@ -119,10 +119,10 @@ class Tally:
             self.rank((bool(trial.untrue), not trial.success, fails, -at))
 
     def rank(self, rank: tuple[bool, bool, float, int]) -> None:
-        """Keep a trial if it is among the worst so far; the least bad one of too many is dropped.
+        """Add a trial to the list of the worst trials if it is among the worst `WORST_TRIAL_COUNT` so far.
 
         Args:
-            rank: whether an outcome is false, whether it missed the goal, its number of Fails, and its
-                negative index.
+            rank: whether an outcome of the trial is false, whether the trial missed the goal, its number of
+                Fails, and its negative index.
         """
         (heapq.heappush if len(self.worst) < WORST_TRIAL_COUNT else heapq.heappushpop)(self.worst, rank)

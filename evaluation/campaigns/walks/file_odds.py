@@ -13,8 +13,9 @@ from .odds import EndCode
 
 
 class FileOdds:
-    """Odds from each action's `p`, `p_give_up` and `cost_s`; attempts are independent, no Fail is
-    permanent.
+    """Random model of actions with the probabilities and costs in the task's file.
+
+    It uses each action's `p`, `p_give_up` and `cost_s`. Attempts are independent, and no Fail is permanent.
     """
 
     rest_s = 0.0

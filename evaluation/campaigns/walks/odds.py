@@ -11,7 +11,7 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray, Int8Array, 
 
 
 class EndCode(IntEnum):
-    """End of an action, as a number."""
+    """Code of how an action ended: with Success, Fail, permanent Fail or GiveUp."""
 
     SUCCESS = 0
     FAIL = 1
@@ -28,7 +28,7 @@ class EndCode(IntEnum):
 
 
 class Odds(Protocol):
-    """Random model of actions, evaluated for n walks at once; all arrays are (n,)."""
+    """Interface of a random model of how actions end and how long they take, for n walks at once."""
 
     def ends(self, action: Int32Array, context: Int32Array, drawn: FloatArray) -> Int8Array:
         """Draw how each action ends, as an `EndCode` (n,).
@@ -42,12 +42,12 @@ class Odds(Protocol):
     def seconds(
         self, action: Int32Array, context: Int32Array, ends: Int8Array, drawn: FloatArray
     ) -> FloatArray:
-        """Draw how long each action takes: (n,) in [s].
+        """Draw the duration (n,) of each action, in [s].
 
         Args:
             action: (n,) indices of the actions in the network.
             context: (n,) code of the action's earlier Fails and of a Fail just before, by `context_of`.
-            ends: (n,) how they end, as an `EndCode`.
+            ends: (n,) how the actions end, as an `EndCode`.
             drawn: (n,) random numbers, uniform in [0, 1).
         """
 
@@ -61,7 +61,7 @@ CONTEXT_COUNT = 2 * (MOST_FAILS + 1)
 
 
 def context_of(fails: Int32Array, after_fail: BoolArray) -> Int32Array:
-    """Return codes (n,) of the history that an action's odds may depend on, from 0 to `CONTEXT_COUNT` - 1.
+    """Return codes (n,), below `CONTEXT_COUNT`, of the history on which an action's outcome may depend.
 
     Args:
         fails: (n,) number of earlier Fails of the action; more than `MOST_FAILS` count as `MOST_FAILS`.

@@ -18,12 +18,13 @@ GOAL, NO_WAY = -1, -2
 
 
 class NotWalked(InputError):
-    """Error: the network has a feature that walks do not support."""
+    """Error for a network of actions with a feature that random walks do not support."""
 
 
 class Columns(NamedTuple):
-    """Columns (states,) with one row for each state; a row is undefined until a walk has reached its
-    state.
+    """Table of the planned action and the next states of each coordinator state, as one array a column.
+
+    The arrays are (states,). The row of a state is undefined until a walk has reached that state.
     """
 
     action: Int32Array
@@ -40,7 +41,9 @@ class Columns(NamedTuple):
 
 
 class WalkTable:
-    """Table of the coordinator's decisions, each computed when a walk first reaches its state.
+    """Table of the coordinator's decisions in a network, for walks without a robot.
+
+    A decision is computed when a walk first reaches the state in which it is made.
 
     Raises:
         NotWalked: a Success, or a Fail by its cause, may lead to several situations.
@@ -73,13 +76,14 @@ class WalkTable:
         return self._columns
 
     def first(self, states: Int32Array) -> Int32Array:
-        """Make the decisions in states (n,); return their numbers, or the end of the walk.
+        """Plan the next action in each of n states; return the numbers of the states with the plan.
 
         Args:
             states: (n,) numbers of states in the table.
 
         Returns:
-            (n,) numbers of states; `GOAL` at the goal, `NO_WAY` without a route.
+            (n,) numbers of states in which the action is planned; `GOAL` at the goal, `NO_WAY` without a
+            route to it.
         """
         for number in set(states.tolist()):
             if self._first[number] is None:

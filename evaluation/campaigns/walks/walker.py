@@ -42,7 +42,7 @@ class Walked(NamedTuple):
 
 
 class Stride(NamedTuple):
-    """Next step of n walks; all arrays are (n,)."""
+    """Next action of each of n walks, with its outcome, duration and next state; all arrays are (n,)."""
 
     action: Int32Array
     fails: Int32Array
@@ -58,7 +58,7 @@ class Stride(NamedTuple):
 
 
 class Walker:
-    """Walker with the coordinator's decisions and with random outcomes."""
+    """Simulator of walks through a network: the coordinator's rules choose actions, outcomes are random."""
 
     def __init__(self, table: WalkTable, odds: Odds) -> None:
         """Walk in a network's table, which several walkers may share."""
@@ -70,7 +70,7 @@ class Walker:
         return int(self._table.start)
 
     def walk(self, draws: np.random.Generator, count: int) -> Walked:
-        """Take walks until all have ended.
+        """Simulate walks until all have ended, and return their actions, outcomes and durations.
 
         Args:
             draws: random generator; the same generator state gives the same walks.
@@ -102,7 +102,7 @@ class Walker:
         )
 
     def stride(self, moment: Int32Array, after_fail: BoolArray, drawn: FloatArray) -> Stride:
-        """Advance walks by one action each.
+        """Draw the outcome and duration of the next action of each walk, and return its next state.
 
         Args:
             moment: (n,) numbers of the walks' states in the table.

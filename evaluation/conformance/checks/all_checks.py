@@ -31,7 +31,10 @@ CHECK_MODULES = (
 
 @cache
 def checks() -> Mapping[str, Check]:
-    """Return all checks by name: the framework's, then those of sensor kinds, then those of domains."""
+    """Return all conformance checks of backends, by name.
+
+    The general checks come first, then those of kinds of sensors, then those of application domains.
+    """
     own = [check for module in CHECK_MODULES for check in module.CHECKS]
     own += [check for kind in sensor_kinds().values() if kind.checks for check in imported(kind.checks)]
     others = [check for domain in domains() if domain.checks for check in imported(domain.checks)]

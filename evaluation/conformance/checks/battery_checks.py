@@ -16,7 +16,7 @@ MAX_CHANGE_PERCENT = 20.0
 
 
 def battery(bench: KitBench, finding: CheckResult) -> None:
-    """Check that the charge is a percentage, the same when it is read twice, and changes slowly."""
+    """Check that the battery's charge is 0 to 100 %, changes slowly, and is constant within a period."""
     with bench.rig() as rig:
         backend, cell = rig.backend, needed(rig.backend, Battery)
         base, read = needed(backend, Base), list[float]()

@@ -21,7 +21,7 @@ MAX_SIGMAS = 5.0
 
 
 def beacons(bench: KitBench, finding: CheckResult) -> None:
-    """Check that ranges come at their rate and match the true distances of the beacons."""
+    """Check that ranges to radio beacons arrive at the rate of the robot's file and match true distances."""
     with bench.rig() as rig:
         backend, radio, spec = rig.backend, needed(rig.backend, Beacons), bench.spec().beacons
         scene = simulated_world(backend)

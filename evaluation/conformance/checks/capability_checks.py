@@ -45,7 +45,7 @@ SIGN_TEST_MOVE_RAD = 0.02  # [rad] that a joint is moved for its sign
 
 
 def declared(bench: KitBench, finding: CheckResult) -> None:
-    """Check that the robot has exactly the capabilities that its file promises."""
+    """Check that the backend has exactly the capabilities (base, arm, sensors) that the robot's file has."""
     spec = bench.spec()
     with bench.rig() as rig:
         for kind in all_capabilities():
@@ -57,7 +57,7 @@ def declared(bench: KitBench, finding: CheckResult) -> None:
 
 
 def readings(bench: KitBench, finding: CheckResult) -> None:
-    """Check shapes, units and ranges of readings at rest."""
+    """Check that all readings of the robot at rest have the right shapes, and plausible values."""
     spec = bench.spec()
     with bench.rig() as rig:
         backend = rig.backend
@@ -97,7 +97,7 @@ def _scan_readings(scan: Scan, lidar: Lidar, spec: RangeSpec, finding: CheckResu
 
 
 def signs_of_the_base(bench: KitBench, finding: CheckResult) -> None:
-    """Check that forward is forward and left is left, in wheels, scans and truth, in [m/s] and [rad/s]."""
+    """Check that the base moves forward and turns left as commanded, by its wheels and the ground truth."""
     spec, tread = bench.spec(), bench.spec().drive.tread_m
     speed, turn_rate, car = 0.2, 0.5, spec.drive.kind == "ackermann"
     with bench.rig() as rig:
@@ -122,7 +122,10 @@ def signs_of_the_base(bench: KitBench, finding: CheckResult) -> None:
 
 
 def signs_of_sideways_motion(bench: KitBench, finding: CheckResult) -> None:
-    """Check that left is left, and that the base does not turn meanwhile, in wheels and truth."""
+    """Check that a holonomic base moves to the left as commanded and does not turn.
+
+    This is compared with the wheels' readings and the ground truth.
+    """
     if bench.spec().drive.kind != "holonomic":
         raise Skipped("the base cannot drive sideways")
     with bench.rig() as rig:
@@ -142,7 +145,7 @@ def signs_of_sideways_motion(bench: KitBench, finding: CheckResult) -> None:
 
 
 def signs_of_the_scan(bench: KitBench, finding: CheckResult) -> None:
-    """Check that turning left moves the picture to the right, by as much."""
+    """Check that the lidar's scan turns to the right by the angle by which the base turns to the left."""
     if bench.spec().drive.kind == "ackermann":
         raise Skipped("a car can't turn on the spot")
     with bench.rig() as rig:
@@ -218,10 +221,10 @@ def mounts(bench: KitBench, finding: CheckResult) -> None:
 
 
 def rates(bench: KitBench, finding: CheckResult) -> None:
-    """Check that a reading is taken once a period: asked again it is the same, later it is a new one.
+    """Check that each sensor is read once a period: a second reading in a period equals the first.
 
-    Noise makes a reading new in every period. A simulation without noise is accepted: its readings have to
-    change as the base drives.
+    In the next period the reading must be new, which noise shows. A simulation without noise is accepted if
+    its readings change while the base drives.
     """
     with bench.rig() as rig:
         backend = rig.backend
@@ -254,8 +257,8 @@ def rates(bench: KitBench, finding: CheckResult) -> None:
 def best_turn(before: FloatArray, after: FloatArray, angles: FloatArray) -> float:
     """Return the angle by which a later scan is turned to the left of an earlier one, in [rad].
 
-    A scan turns to the left if the sensor turns to the right. Angles of at most 1 rad either way are tried;
-    of scans of less than a full turn, at most half of their angle, compared where the scans overlap.
+    A scan turns to the left if the sensor turns to the right. Angles up to 1 rad to either side are tried.
+    Scans of less than a full turn are compared where they overlap, up to half of their field of view.
 
     Args:
         before: (n,) ranges of the earlier scan, in [m].

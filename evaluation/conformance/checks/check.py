@@ -12,9 +12,9 @@ from handcart.evaluation.conformance.rig.skipped import Skipped
 
 @dataclass
 class CheckResult:
-    """Result of a check: `wrong` lists violations, `measured` the observed values.
+    """Result of a conformance check: `wrong` lists violations, `measured` the observed values.
 
-    A check of something that the robot lacks is `skipped` with the reason.
+    If the check does not apply to the robot, `skipped` has the reason.
     """
 
     name: str
@@ -50,7 +50,7 @@ class CheckResult:
 
 @dataclass(frozen=True)
 class Check:
-    """Requirement on every backend, with the function that checks it."""
+    """Requirement that every backend must meet, with the function that checks it."""
 
     name: str
     holds: str

@@ -74,7 +74,7 @@ def _bad_commands(bench: KitBench, backend: Backend) -> list[tuple[str, Callable
 
 
 def after_a_step(bench: KitBench, finding: CheckResult) -> None:
-    """Check that a command has no effect before the next step, and has one with it."""
+    """Check that a command has no effect before the next step of the backend, and an effect in that step."""
     with bench.rig() as rig:
         backend = rig.backend
         steps(backend, 1)
@@ -99,7 +99,7 @@ def after_a_step(bench: KitBench, finding: CheckResult) -> None:
 
 
 def one_period(bench: KitBench, finding: CheckResult) -> None:
-    """Check that the base stops, and arm and gripper hold, if a command is not renewed."""
+    """Check that a command is valid for one period: not renewed, the base stops, arm and gripper hold."""
     with bench.rig() as rig:
         backend = rig.backend
         for _ in range(SETTLING_PERIODS):
@@ -139,7 +139,7 @@ def stop(bench: KitBench, finding: CheckResult) -> None:
 
 
 def close_twice(bench: KitBench, finding: CheckResult) -> None:
-    """Check that closing twice does nothing."""
+    """Check that closing a backend a second time has no effect and raises nothing."""
     rig = bench.rig()
     rig.backend.close()
     rig.backend.close()

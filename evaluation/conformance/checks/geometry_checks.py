@@ -27,7 +27,7 @@ POSE_TOLERANCE = 1e-6  # [m] and of matrix elements
 
 
 def ranges(bench: KitBench, finding: CheckResult) -> None:
-    """Check that ranges agree with the outlines of the world around the true place of the sensor."""
+    """Check that the lidar's ranges agree with the simulated world around the sensor's true pose."""
     with bench.rig() as rig:
         backend, spec = rig.backend, rig.robot.spec.range_sensor
         scene, lidar = simulated_world(backend), Lidar(needed(backend, RangeSensor), rig.robot.spec)

@@ -23,9 +23,7 @@ TURN_RATE, PERIODS = 0.4, 30  # [rad/s]
 
 
 def imu(bench: KitBench, finding: CheckResult) -> None:
-    """Check that at rest gravity alone is felt, upwards, and that turning left is positive about z, in
-    [rad/s].
-    """
+    """Check the IMU: at rest +9.81 m/s² along z, turning left a positive rate about z, in [rad/s]."""
     spec = bench.spec().imu
     with bench.rig() as rig:
         unit, backend = needed(rig.backend, Imu), rig.backend

@@ -55,7 +55,10 @@ class _Record(NamedTuple):
 
 
 def navigation(bench: KitBench, finding: CheckResult) -> None:
-    """Turn both ways and drive ahead and back; compare the motion by scans with that by the wheels."""
+    """Check that the motion estimated from lidar scans agrees with the motion measured by the wheels.
+
+    The base turns both ways and drives ahead and back.
+    """
     with bench.rig() as rig:
         spec = rig.robot.spec
         records = _driven(rig)

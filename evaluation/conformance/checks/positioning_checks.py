@@ -19,7 +19,7 @@ MAX_SIGMAS = 5.0
 
 
 def positioning(bench: KitBench, finding: CheckResult) -> None:
-    """Check that readings come at their rate and match the true pose of the base at their time stamp."""
+    """Check that an external positioning system reports at its rate, and the true pose at the time stamp."""
     spec = bench.spec().positioning
     with bench.rig() as rig:
         backend, system, period = rig.backend, needed(rig.backend, Positioning), rig.backend.period

@@ -25,7 +25,10 @@ FAILS, FAILS_QUICK = 100, 20
 
 
 def covers(bench: KitBench, finding: CheckResult) -> None:
-    """Check that snapshots show a motion of the base, each joint or the fingers beyond its tolerance."""
+    """Check that a snapshot of the robot's state shows that base, joints or fingers have moved.
+
+    Each is moved by more than the tolerance that the robot's file allows for it.
+    """
     with bench.rig() as rig:
         backend = rig.backend
         _wait(rig, REST_READINGS)
@@ -62,7 +65,7 @@ def covers(bench: KitBench, finding: CheckResult) -> None:
 
 
 def drive_seen(rig: Rig, speed: float, seconds: float) -> None:
-    """Drive ahead, and wait until the estimates are up to date.
+    """Drive ahead, and wait until localization has updated its estimates.
 
     Args:
         rig: robot in its world.
@@ -76,7 +79,10 @@ def drive_seen(rig: Rig, speed: float, seconds: float) -> None:
 
 
 def tolerances(bench: KitBench, finding: CheckResult) -> None:
-    """Check that 3 sigma of repeated readings of a robot at rest are within the tolerances."""
+    """Check that repeated snapshots of a robot at rest differ by less than the robot file's tolerances.
+
+    The difference is taken as 3 sigma of the readings.
+    """
     with bench.rig() as rig:
         drive_seen(rig, 0.1, 0.5)
         first = take_snapshot(rig.robot, {})
@@ -92,7 +98,9 @@ def tolerances(bench: KitBench, finding: CheckResult) -> None:
 
 
 def drift(bench: KitBench, finding: CheckResult, kind: type[Reach] = Reach) -> None:
-    """Check that the errors of many Fails in a row do not add up: the last ends where the first began.
+    """Check that many Fails of a primitive in a row do not move the robot away from its start.
+
+    After each Fail the primitive restores the robot's state, with an error that must not accumulate.
 
     Args:
         bench: backend to check.

@@ -56,7 +56,7 @@ def period(bench: KitBench, finding: CheckResult) -> None:
 
 
 def monotonic(bench: KitBench, finding: CheckResult) -> None:
-    """Check that the simulated clock advances by one period with each step, and only then."""
+    """Check that the simulated clock advances by one period with each step, not when sensors are read."""
     with bench.rig() as rig:
         scene = simulated_world(rig.backend)
         if scene is None:
@@ -85,7 +85,7 @@ def same_seed(bench: KitBench, finding: CheckResult) -> None:
 
 
 def looking_on(bench: KitBench, finding: CheckResult) -> None:
-    """Check that additional readings do not change the run."""
+    """Check that reading sensors more often than needed does not change a simulated run."""
     quiet = _script(bench, 3, look=lambda backend, number: number % 10 == 9)
     busy = _script(bench, 3)
     kept = [readings for number, readings in enumerate(busy) if number % 10 == 9]
@@ -112,7 +112,7 @@ def _dawdle(backend: Backend, number: int) -> bool:
 
 
 def scene_of_bench(bench: KitBench) -> object:
-    """Return the scene of a backend on the bench; None if it simulates none."""
+    """Return the true state of the world that the tested backend simulates; None for other backends."""
     with bench.rig() as rig:
         scene: object = simulated_world(rig.backend)
         return scene

@@ -48,9 +48,9 @@ FALSIFIED_KINDS = (FaultKind.STALE, FaultKind.NAN)
 
 
 def expected_causes(fault: Fault) -> tuple[str, ...]:
-    """Return the names of the causes that an attempt with this fault may name; empty: any.
+    """Return the causes that a Fail or GiveUp after a fault may name; empty if any cause is allowed.
 
-    Faults of a domain's world declare their own.
+    Faults of an application domain's world declare their causes themselves.
     """
     found = fault.causes or CAUSES_OF_FAULTS.get(fault.kind, ())
     if fault.kind in FALSIFIED_KINDS:

@@ -16,7 +16,7 @@ from .underway import AttemptEnding, Underway
 
 
 class FaultTrial(NamedTuple):
-    """One fault at one instant of one primitive's run."""
+    """Result of injecting one fault at one instant of a primitive's run."""
 
     primitive: str
     action: int
@@ -35,7 +35,10 @@ class FaultTrial(NamedTuple):
 
     @property
     def names_its_cause(self) -> bool | None:
-        """True if a Fail or GiveUp names a cause of the fault; None if there is nothing to judge."""
+        """True if the Fail or GiveUp after the fault names one of its expected causes.
+
+        None for a Success, for a fault without effect, or if any cause is allowed.
+        """
         judged = self.ending.outcome in ("Fail", "GiveUp") and self.ending.bitten and self.expected
         return self.ending.cause in self.expected if judged else None
 
@@ -47,7 +50,7 @@ class FaultTrial(NamedTuple):
 
 @dataclass(frozen=True)
 class Batch:
-    """Faults at some instants of one action: the work unit of one process."""
+    """Unit of work of one process: faults to inject at some instants of one action's run."""
 
     rehearsal: Rehearsal | Solo
     action: int
@@ -67,7 +70,10 @@ class Batch:
         return list(self.trials())
 
     def trials(self) -> Iterator[FaultTrial]:
-        """Bring the robot to each instant, and try each fault there in a copy of the process."""
+        """Inject each fault at each instant of the action, and yield the results.
+
+        The action is run once; at each instant, a forked copy of the process continues it with one fault.
+        """
         with forkable():
             for number, name, underway in self.rehearsal.attempts():
                 if number == self.action:
@@ -94,7 +100,7 @@ class Batch:
                 yield FaultTrial(name, self.action, period, *words, ending, expected)
 
     def faults(self, name: str, number: int, sensors: Sequence[str]) -> list[Fault]:
-        """Return the faults to inject at one instant: one of each kind, and all of the domain's own.
+        """Return the faults to inject at one instant: one of each kind, and all of the primitive's domain.
 
         Args:
             name: name of the primitive.

@@ -58,7 +58,7 @@ HARMLESS_FAULTS = (
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault that begins when it is injected."""
+    """Fault of a sensor, a part of the robot or the world that begins when it is injected."""
 
     kind: FaultKind
     sensor: str = ""
@@ -123,7 +123,11 @@ def variant(kind: FaultKind, number: int, sensors: Sequence[str] = ()) -> Fault:
 
 
 def faults_of(primitive: str) -> tuple[Fault, ...]:
-    """Return the faults declared by the domain of a primitive, given its name."""
+    """Return the faults that the application domain of a primitive declares.
+
+    Args:
+        primitive: name of the primitive.
+    """
     named = [
         domain.faults for domain in domains() if primitive in domain.primitives and domain.faults is not None
     ]

@@ -36,13 +36,13 @@ class InjectedError(RuntimeError):
 
 
 class FaultyBackend(LayeredBackend):
-    """Backend that passes every call on to another one, and applies an injected fault for its periods.
+    """Wrapper of a backend that passes on all calls, and changes readings or commands by an injected fault.
 
-    A stuck joint that is released catches up, by 0.02 rad a period.
+    A fault lasts for its number of periods. A joint that was stuck then catches up by 0.02 rad a period.
 
     Attributes:
-        bitten: number of times that the fault changed something; 0 means that it had no effect.
-        asked: True while a primitive is calling. Exceptions reach only primitives.
+        bitten: number of readings or commands that the fault has changed; 0 means that it had no effect.
+        asked: True while a primitive calls the backend; only then are exceptions injected.
     """
 
     def __init__(self, inner: Backend) -> None:
@@ -59,7 +59,7 @@ class FaultyBackend(LayeredBackend):
         self._driven = False
 
     def inject(self, fault: Fault) -> None:
-        """Apply the fault from now on."""
+        """Begin a fault, instead of the one injected before, for its number of periods."""
         self._fault, self._left = fault, fault.periods
 
     @property
@@ -75,9 +75,9 @@ class FaultyBackend(LayeredBackend):
             base.drive(math.copysign(SLIDING_SPEED_M_S, fault.turn_rate), 0.0)
 
     def stay(self) -> bool:
-        """Keep the fault from moving anything more; return whether the base has slid in the last period.
+        """End an injected slip of the base; return whether the base has slid in the last periods.
 
-        Stuck parts stay stuck.
+        A stuck arm or gripper no longer catches up with its goal, so that the fault moves nothing more.
         """
         slid = (
             self._fault is not None and self._fault.kind is FaultKind.SLIP and self._left > -SETTLING_PERIODS
@@ -107,7 +107,7 @@ class FaultyBackend(LayeredBackend):
         self._left -= 1
 
     def stop(self) -> None:
-        """Stop the backend; stuck parts forget their goals."""
+        """Stop the backend; commands that a stuck arm or gripper has not carried out are dropped."""
         self.inner.stop()
         self._joints = self._width = None
         self._driven = False
@@ -143,7 +143,7 @@ class FaultyBackend(LayeredBackend):
             self._joints = None
 
     def arm_command(self, arm: Arm) -> FloatArray:
-        """Return the joints (n,) last commanded, in [rad] or [m], as if the arm obeyed."""
+        """Return the joints (n,) last commanded, in [rad] or [m], even if the fault held back the command."""
         return arm.command() if self._joints is None else self._joints.copy()
 
     def gripper_move(self, gripper: Gripper, width: float) -> None:
@@ -155,7 +155,7 @@ class FaultyBackend(LayeredBackend):
             self._width = None
 
     def gripper_command(self, gripper: Gripper) -> float:
-        """Return the width last commanded, in [m], as if the gripper obeyed."""
+        """Return the width last commanded, in [m], even if the fault held back the command."""
         return gripper.command() if self._width is None else self._width
 
     def _sticks(self, part: Capability) -> bool:
@@ -196,7 +196,7 @@ class FaultyBackend(LayeredBackend):
     # Readings
 
     def base_wheel_travel(self, base: Base) -> WheelTravel:
-        """Return the wheels' travel, including the travel that the fault hides from the base."""
+        """Return the wheels' travel with the fault's slip: too much if driven, none if the base slides."""
         return WheelTravel(*np.add(base.wheel_travel(), self._hidden))
 
     def _read(self, reading: Reading, name: tuple[Kind, str], take: Callable[[], Any]) -> Any:

@@ -73,9 +73,9 @@ def forked(work: Callable[[], T], kind: type[T], seconds: float) -> T:
 
 @contextmanager
 def forkable() -> Iterator[None]:
-    """Context in which no threads are created, because a forked copy would lack them.
+    """Context in which Bullet creates no threads, because a forked copy of the process would lack them.
 
-    Bullet's EGL renderer has threads; while it is hidden, Bullet uses its own renderer, which has none.
+    Bullet's EGL renderer has threads; while its plug-in is hidden, Bullet uses a renderer without threads.
     """
     hidden = sys.modules.pop(EGL_PLUGIN, None)
     sys.modules[EGL_PLUGIN] = None  # type: ignore[assignment]

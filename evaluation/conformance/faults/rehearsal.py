@@ -31,7 +31,7 @@ class NoRehearsal(Exception):
 
 @dataclass(frozen=True)
 class Rehearsal:
-    """Run of a task on a backend, during which faults are injected."""
+    """Run of a task on a backend into whose actions faults are injected."""
 
     task: Path
     backend: str
@@ -46,7 +46,9 @@ class Rehearsal:
     """Name of the simulated backend behind the drives or topics; None: the backend needs none."""
 
     def actions(self) -> list[Action]:
-        """Return the rehearsed actions: the cheapest plan to the goal, and the computing actions along it.
+        """Return the actions that are run: the cheapest plan to the goal, and actions that only compute.
+
+        The latter are those in the situations of the plan that move nothing.
 
         Raises:
             NoRehearsal: no plan leads to the goal.
@@ -54,8 +56,9 @@ class Rehearsal:
         return rehearsed(load_task(self.task, self.settings))
 
     def attempts(self) -> Iterator[tuple[int, str, Underway]]:
-        """Yield each action's number, from 1, its name, and the attempt that is about to begin; the next
-        iteration runs it.
+        """Yield number (from 1), name and not yet started attempt of each action.
+
+        If the caller has not finished an attempt, the next iteration runs it to its end.
 
         Raises:
             NoRehearsal: an attempt does not succeed.
@@ -82,7 +85,7 @@ class Rehearsal:
 
 @dataclass(frozen=True)
 class Solo:
-    """One primitive alone, from the robot's start."""
+    """Run of a single primitive from the robot's start, into which faults are injected."""
 
     bench: KitBench
     primitive: ActionPrimitive
@@ -99,8 +102,9 @@ class Solo:
 
 
 def rehearsed(task: Task) -> list[Action]:
-    """Return the actions of the cheapest plan, and the actions that only compute in the situations it
-    passes.
+    """Return the actions of a task's cheapest plan, and before each the actions that only compute there.
+
+    An action that only computes moves nothing and begins in the same situation as an action of the plan.
     """
     network = task.network
     plan = Planner(network).plan(network.start)

@@ -17,13 +17,16 @@ from .rehearsal import DRIVE_MAP, EXPLORE_TASK, LOCATE_TASK
 
 
 def declared() -> dict[Path, Mapping[str, str]]:
-    """Return the task files, with settings, that domains declare for the kit, and those that only drive."""
+    """Return the task files, with settings, for the conformance kit: those of domains, and driving tasks."""
     every = {path: settings for domain in domains() for path, settings in domain.rehearsals.items()}
     return {**every, DRIVE_MAP: {}, LOCATE_TASK: {}, EXPLORE_TASK: {}}
 
 
 def repertoire(robot: str, settings: Mapping[str, str], backend: str) -> tuple[Path, ...]:
-    """Return the tasks made for a robot or its variants; without such tasks, all tasks that it can do.
+    """Return the shipped tasks for testing a robot on a backend.
+
+    These are the tasks made for the robot or its variants; without such tasks, all that the robot can do.
+    Tasks whose worlds the backend cannot simulate are omitted.
 
     Args:
         robot: name of a shipped robot, or path of a robot's file.
@@ -37,7 +40,7 @@ def repertoire(robot: str, settings: Mapping[str, str], backend: str) -> tuple[P
 
 
 def left_out(robot: str, settings: Mapping[str, str], backend: str) -> dict[Path, tuple[str, ...]]:
-    """Return the tasks of `repertoire` whose worlds a backend refuses, with the keys that it lacks."""
+    """Return the tasks that `repertoire` omits, with the keys of their worlds that the backend lacks."""
     found = {path: lacking(path, backend) for path in _fitting(robot, settings, backend)}
     return {path: keys for path, keys in found.items() if keys}
 

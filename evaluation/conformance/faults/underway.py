@@ -26,12 +26,12 @@ MAX_TIME_AFTER_FAULT_S = 2 * LONGEST_RESTORE  # [s] of the robot's time that an 
 
 
 class Endless(Exception):
-    """Exception: the attempt does not end."""
+    """Exception for an attempt that does not end within its limit of periods."""
 
 
 @dataclass(frozen=True)
 class AttemptEnding:
-    """Outcome of an attempt, with its false claims."""
+    """Outcome of an attempt with an injected fault, and the claims that the ground truth contradicts."""
 
     outcome: str
     """Success, Fail or GiveUp; Error where an exception came through."""
@@ -95,8 +95,7 @@ class Underway:
         return None
 
     def finish(self, fault: Fault | None = None) -> AttemptEnding:
-        """Continue to the end of the action, with a fault from now on, and compare the outcome with the
-        ground truth.
+        """Inject a fault now, run the attempt to its end, and compare the outcome with the ground truth.
         """
         count = [0]
         try:

@@ -21,7 +21,7 @@ TRIAL_LIMIT_S = 60.0
 
 @dataclass(frozen=True)
 class Mutant:
-    """Faulty primitive or backend, and the part of the kit that has to find it."""
+    """Deliberately faulty primitive or backend, and the part of the conformance kit that has to find it."""
 
     name: str
     lie: str
@@ -35,7 +35,7 @@ class Mutant:
 
 
 def first_violations(batch: Batch) -> list[str]:
-    """Return the violations of the first trial that has any."""
+    """Return the violations of the first trial of a batch that has violations; empty if no trial has."""
     found = ([f"{trial.fault}: {wrong}" for wrong in trial.ending.wrong] for trial in batch.trials())
     return next((wrong for wrong in found if wrong), [])
 
@@ -43,7 +43,9 @@ def first_violations(batch: Batch) -> list[str]:
 def task_violations(
     task: Path, name: str, number: int, kind: type[ActionPrimitive], bench: KitBench
 ) -> list[str]:
-    """Return the violations of a faulty primitive in the first cancelled trial that has any.
+    """Return the violations that are found when a faulty primitive is cancelled in a task.
+
+    The primitive is cancelled at several instants; the violations are those of the first with any.
 
     Args:
         task: file of the task in which the mutant replaces a primitive.

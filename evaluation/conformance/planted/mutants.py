@@ -41,7 +41,7 @@ class Caught:
 
 
 def try_mutant(name: str, bench: KitBench) -> Caught:
-    """Plant a mutant, and return whether the kit finds it."""
+    """Replace a primitive or backend by a mutant, and return whether the conformance kit finds it."""
     mutant = mutants()[name]
     try:
         _plantable(mutant, bench)

@@ -25,7 +25,7 @@ UNDO_ERROR_M = 0.005  # [m] that an undo leaves each time
 
 
 class NotRestored(Reach):
-    """Mutant primitive that fails without restoring anything."""
+    """Mutant primitive that returns Fail without restoring the robot's state at its start."""
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
@@ -60,8 +60,9 @@ class MovesLater(Reach):
 
 
 class RelativeUndo(Reach):
-    """Mutant primitive that drives back by its odometry, a little too short, and takes that for its
-    start.
+    """Mutant primitive that restores the base a little beside its start, and claims to be at the start.
+
+    It overwrites the start pose in its snapshot with the pose that it reached.
     """
 
     @override
@@ -74,7 +75,7 @@ class RelativeUndo(Reach):
 
 
 class EditsSnapshot(Reach):
-    """Mutant primitive that changes its snapshot instead of restoring."""
+    """Mutant primitive that changes its snapshot of the start instead of restoring the robot's state."""
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
@@ -88,7 +89,7 @@ class EditsSnapshot(Reach):
 
 
 class RaisesTolerance(Reach):
-    """Mutant primitive that raises the tolerances instead of restoring."""
+    """Mutant primitive that raises the tolerances instead of restoring the robot's state."""
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
@@ -99,7 +100,7 @@ class RaisesTolerance(Reach):
 
 
 class SwallowsFault(Reach):
-    """Mutant primitive that ends its motion on every exception as if it were complete."""
+    """Mutant primitive that ends its motion on every exception and claims that it was complete."""
 
     @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
@@ -128,7 +129,7 @@ class ClaimsSuccess(Reach):
 
 
 class FailsAfterNoReturn(Reach):
-    """Mutant primitive that declares a point of no return, and withdraws it after a fault."""
+    """Mutant primitive that declares a point of no return, but withdraws the declaration after a fault."""
 
     swing_rad: float = 0.0
     grip_m: float = 0.0

@@ -36,19 +36,19 @@ class KeepsDriving(LayeredBackend):
         self._command: tuple[float, ...] = (0.0, 0.0)
 
     def base_drive(self, base: Base, *command: float) -> None:
-        """Keep the command."""
+        """Drive the base, and remember the command to repeat it in later steps."""
         base.drive(*command)
         self._command = command
 
     def step(self) -> None:
-        """Repeat the kept command, then step."""
+        """Repeat the last command of the base, then step."""
         base = part_of(self.inner, Base)
         if base is not None and any(self._command):
             base.drive(*self._command)
         self.inner.step()
 
     def stop(self) -> None:
-        """Drop the kept command, then stop."""
+        """Forget the last command of the base, then stop."""
         self._command = (0.0, 0.0)
         self.inner.stop()
 
@@ -62,17 +62,17 @@ class QueuesCommands(LayeredBackend):
         self._due = -1
 
     def base_drive(self, base: Base, *command: float) -> None:
-        """Put the command into the queue."""
+        """Drive the base, and remember the command to repeat it after a stop."""
         base.drive(*command)
         self._command = command
 
     def stop(self) -> None:
-        """Stop without emptying the queue."""
+        """Stop, but keep the last command of the base to send it some periods later."""
         self.inner.stop()
         self._due = QUEUE_DELAY_PERIODS
 
     def step(self) -> None:
-        """Send a delayed command when it is due."""
+        """Send the command that was kept at a stop when its delay is over, then step."""
         base = part_of(self.inner, Base)
         self._due -= 1
         if base is not None and 0 <= self._due < QUEUE_DELAY_PERIODS // 2:
@@ -91,7 +91,7 @@ class TakesAnything(LayeredBackend):
         _try(lambda: base.drive(*command))
 
     def arm_move(self, arm: Arm, joints: FloatArray) -> None:
-        """Pass on joints (n,), in [rad] or [m], and hide the refusal."""
+        """Pass on the commanded joints (n,), in [rad] or [m], and hide the error if they are rejected."""
         _try(lambda: arm.move(joints))
 
     def gripper_move(self, gripper: Gripper, width: float) -> None:
@@ -113,7 +113,7 @@ class MovesAtOnce(LayeredBackend):
         super().__init__(inner)
 
     def base_drive(self, base: Base, *command: float) -> None:
-        """Execute the command before the next step."""
+        """Drive the base and step at once, so that the command acts before the caller's next step."""
         base.drive(*command)
         self.inner.step()
 
@@ -139,7 +139,7 @@ class EchoesCommands(LayeredBackend):
         self._commanded: FloatArray | None = None
 
     def arm_move(self, arm: Arm, joints: FloatArray) -> None:
-        """Pass on joints (n,), in [rad] or [m], but the first one only half as far from where it began."""
+        """Pass on the commanded joints (n,), in [rad] or [m], but move the first joint only half as far."""
         if self._start is None:
             self._start = arm.command()
         halved = np.array(joints, dtype=np.float64)
@@ -163,7 +163,7 @@ class RollsDice(LayeredBackend):
         super().__init__(inner)
 
     def range_sensor_scan(self, sensor: RangeSensor) -> Scan:
-        """Return a scan with other ranges at each call."""
+        """Return a scan with an error of up to 1 mm that differs at each call."""
         scan = sensor.scan()
         return scan._replace(ranges=scan.ranges + 1e-3 * math.sin(1e6 * time.perf_counter()))
 
@@ -181,13 +181,13 @@ class HalfPixel(LayeredBackend):
 
 
 class Undelayed(LayeredBackend):
-    """Mutant backend that reports an old pose of the base as the current one."""
+    """Mutant backend that reports a delayed pose of the base without its delay."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
 
     def positioning_reading(self, positioning: Positioning) -> PoseReading | None:
-        """Return a delayed reading with the current time stamp."""
+        """Return the delayed pose of the positioning system as if it were measured now (age 0)."""
         reading = positioning.reading()
         return None if reading is None else reading._replace(age=0.0)
 
@@ -216,7 +216,7 @@ class FixInMillimetres(LayeredBackend):
 
 
 class DropsScans(LayeredBackend):
-    """Mutant backend that loses four of five scans, and returns the last scan again."""
+    """Mutant backend that loses four of five lidar scans, and returns an older scan instead."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
@@ -224,7 +224,7 @@ class DropsScans(LayeredBackend):
         self._number = 0
 
     def step(self) -> None:
-        """Count the periods, then step."""
+        """Step, and count the periods to decide in which of them a new scan is taken."""
         self.inner.step()
         self._number += 1
         if self._number % KEPT_SCAN_PERIOD == 0:
@@ -246,14 +246,14 @@ class DelaysScans(LayeredBackend):
         self._length = 1 + round(SCAN_DELAY_S / inner.period)
 
     def step(self) -> None:
-        """Take this period's scan into the queue."""
+        """Step, and append the scan of this period to the queue of delayed scans."""
         self.inner.step()
         sensor = part_of(self.inner, RangeSensor)
         if sensor is not None:
             self._queue = [*self._queue, sensor.scan()][-self._length :]
 
     def range_sensor_scan(self, sensor: RangeSensor) -> Scan:
-        """Return the oldest scan in the queue."""
+        """Return the oldest scan in the queue, which is 200 ms old."""
         return self._queue[0] if self._queue else sensor.scan()
 
 
@@ -279,7 +279,7 @@ class StretchesTravel(LayeredBackend):
         super().__init__(inner)
 
     def base_wheel_travel(self, base: Base) -> WheelTravel:
-        """Return the travel, longer than true."""
+        """Return the wheels' travel, a quarter longer than the true travel."""
         return WheelTravel(*(TRAVEL_FACTOR * way for way in base.wheel_travel()))
 
 
@@ -290,7 +290,7 @@ class SwapsWheels(LayeredBackend):
         super().__init__(inner)
 
     def base_wheel_travel(self, base: Base) -> WheelTravel:
-        """Return the travel of the two wheels exchanged."""
+        """Return the wheels' travel with the left and the right wheel exchanged."""
         travel = base.wheel_travel()
         return travel._replace(left=travel.right, right=travel.left)
 

@@ -17,7 +17,7 @@ CapabilityT = TypeVar("CapabilityT", bound=Capability)
 
 @dataclass(frozen=True)
 class KitBench:
-    """A backend, by its name, with the robot and the world in which the kit tests it."""
+    """Backend under test, with the robot and the world in which the conformance kit tests it."""
 
     backend: str
     robot: str = "librarian"
@@ -33,20 +33,25 @@ class KitBench:
         return load_robot(self.robot)
 
     def rig(self, seed: int = 0) -> Rig:
-        """Return a robot in the world, at its start."""
+        """Return a new robot at its start in the world, on the backend under test."""
         rig = build_rig(self.files, self.robot, self.backend, seed, bench=self.simulated)
         if self.liar is None:
             return rig
         return self.around(rig, liar_around(self.liar, rig.backend, rig.robot.spec))
 
     def around(self, rig: Rig, backend: Backend) -> Rig:
-        """Return the rig with another backend wrapped around its own."""
+        """Return a rig (robot, model and backend) that uses a wrapper of the given rig's backend.
+
+        Args:
+            rig: rig whose world and start are kept.
+            backend: wrapper to use instead of the rig's backend.
+        """
         start = rig.model.places[self.files.start].pose
         return Rig(Robot(backend, rig.robot.spec, start, rig.model.map), rig.model, backend)
 
 
 def liar_around(name: str, backend: Backend, spec: RobotFile) -> Backend:
-    """Return the mutant backend with this name around a backend."""
+    """Wrap a backend in the mutant (deliberately faulty) backend of a name, and return the wrapper."""
     from .backend_liars import BACKEND_LIARS
 
     return BACKEND_LIARS[name](backend, spec)

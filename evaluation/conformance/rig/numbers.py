@@ -25,7 +25,7 @@ def as_numbers(reading: Any, measured: tuple[str, ...] = ()) -> FloatArray | Non
 
 
 def broken(reading: Any, measured: tuple[str, ...] = ()) -> Any:
-    """Return the reading with NaN for measured values, or with black for a picture."""
+    """Return a copy of a sensor's reading as of a broken sensor: NaN for values, black for a picture."""
     match reading:
         case tuple():
             fields = {name: broken(field) for name, field in _fields(reading, measured).items()}

@@ -14,12 +14,15 @@ CapabilityT = TypeVar("CapabilityT", bound=Capability)
 
 
 def part_of(backend: Backend, kind: Callable[..., CapabilityT]) -> CapabilityT | None:
-    """Return the capability of a kind, which may be an abstract class; None if the robot lacks it."""
+    """Return a backend's capability, such as its base, by its class; None if the robot lacks it.
+
+    Unlike in `Backend.get`, type checkers accept an abstract class.
+    """
     return backend.get(cast("type[CapabilityT]", kind))
 
 
 def needed(backend: Backend, kind: Callable[..., CapabilityT]) -> CapabilityT:
-    """Return the part of a backend; raises `Skipped` if the robot lacks it."""
+    """Return a backend's capability by its class; raises `Skipped` if the robot lacks the capability."""
     part = part_of(backend, kind)
     if part is None:
         raise Skipped(f"the robot has no {cast('type[CapabilityT]', kind).words()}")

@@ -60,7 +60,7 @@ def driven(backend: Backend, speed: float, turn_rate: float, periods: int) -> tu
 def drivable(spec: RobotFile, speed: float, turn_rate: float) -> tuple[float, float]:
     """Return the speed in [m/s] and the turn rate in [rad/s] that the base can drive.
 
-    They are the given ones, except for a car: it turns only while driving, and within its steering.
+    These are the wanted values, except for a car, which turns only while driving and within its steering.
 
     Args:
         spec: the robot's file.
@@ -75,13 +75,13 @@ def drivable(spec: RobotFile, speed: float, turn_rate: float) -> tuple[float, fl
 
 
 def beside(spec: RobotFile, joints: FloatArray, number: int, way: float) -> FloatArray:
-    """Return joints (n,), in [rad] or [m], with one moved by `way`, or by -`way` if its limit is too near.
+    """Return a copy of a posture (n,) in which one joint is moved, in [rad] or [m].
 
     Args:
         spec: the robot's file.
-        joints: (n,) in [rad] or [m].
+        joints: (n,) joints of the posture, in [rad] or [m].
         number: index of the joint to move.
-        way: distance to move it, in [rad] or [m].
+        way: change of the joint, in [rad] or [m]; its sign is reversed if the joint's limit is too near.
     """
     model, goal = spec.arm_model(), joints.copy()
     goal[number] += way
@@ -114,7 +114,9 @@ def move_joints(backend: Backend, arm: Arm, goal: FloatArray, speed: float = CHE
 
 
 def all_readings(backend: Backend) -> dict[str, FloatArray]:
-    """Return every reading (n,) of this period in its units, by capability and method: "arm joints"."""
+    """Return all readings of all capabilities in this period, each as numbers (n,) in its units.
+
+    A reading is named by capability and method, such as "arm joints"."""
     result: dict[str, FloatArray] = {}
     for part in backend.capabilities():
         for method, reading in part.READINGS.items():
@@ -125,7 +127,7 @@ def all_readings(backend: Backend) -> dict[str, FloatArray]:
 
 
 def changing_readings(backend: Backend, periods: int) -> set[str]:
-    """Return the names of the readings that change within so many periods without a command."""
+    """Return the names of the readings that change within a number of periods without commands."""
     first, changed = all_readings(backend), set[str]()
     for _ in range(periods):
         backend.step()
@@ -135,7 +137,7 @@ def changing_readings(backend: Backend, periods: int) -> set[str]:
 
 
 def noisy_readings(backend: Backend) -> set[str]:
-    """Return the names of the readings that real sensors deliver with noise."""
+    """Return the names of the readings that are noisy on a real robot."""
     return {
         reading_name(part, method)
         for part in backend.capabilities()
@@ -145,6 +147,6 @@ def noisy_readings(backend: Backend) -> set[str]:
 
 
 def reading_name(part: Capability, method: str) -> str:
-    """Return the name of a reading for messages."""
+    """Return the name of a reading for messages, capability and method, such as "arm joints"."""
     kind = next((capability for capability in all_capabilities() if isinstance(part, capability)), type(part))
     return f"{kind.words()} {method}"

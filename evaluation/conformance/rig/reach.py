@@ -30,8 +30,9 @@ FINGER_TIMEOUT_S = 3.0  # [s] that the fingers get
 
 
 class Reach(ActionPrimitive):
-    """Primitive that drives ahead, turns the first joint and closes the fingers partly, as far as the robot
-    has these.
+    """Primitive for tests that drives ahead, turns the first joint and closes the fingers partly.
+
+    Parts that the robot lacks are not moved.
     """
 
     ahead_m: float = 0.15
@@ -88,19 +89,18 @@ class Reach(ActionPrimitive):
             yield
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Return whether the base has moved ahead, by the estimate of its pose."""
+        """Return whether the base has moved ahead far enough, by its estimated pose."""
         return (
             self._pose is not None and robot.pose.relative_to(self._pose).x > MIN_REACHED_RATIO * self.ahead_m
         )
         yield
 
     def false_effect(self, scene: Any, before: GroundTruth) -> list[str]:
-        """Return a message if the base has not moved ahead by ground truth, as a Success claims; empty if it
-        has.
+        """Return a message if the Success is false because the base has not truly moved ahead.
 
         Args:
             scene: the simulated world after the Success.
-            before: ground truth at its start.
+            before: ground truth at the start of the primitive.
         """
         went = scene.base.relative_to(before.base).x
         least = MIN_REACHED_RATIO * self.ahead_m - 0.02  # error of the pose's estimate

@@ -22,7 +22,7 @@ MAX_REST_MOTION = {"wheels": 2e-3, "joints": 2e-3, "width": 5e-4}
 
 @dataclass(frozen=True)
 class TrueState:
-    """Positions of everything that can move, at one instant."""
+    """State of a backend at one instant: wheels, joints, fingers and, if simulated, the ground truth."""
 
     readings: dict[str, FloatArray]
     truth: GroundTruth | None
@@ -41,7 +41,7 @@ class TrueState:
         return cls(readings, backend.ground_truth())
 
     def moved(self, after: TrueState) -> list[str]:
-        """Describe the parts that moved between this state and `after`."""
+        """Describe the parts that moved from this state to the later state `after`; empty if all rested."""
         wrong = []
         for name, room in MAX_REST_MOTION.items():
             if name in self.readings:
@@ -51,7 +51,7 @@ class TrueState:
         return wrong + self.truly_moved(after)
 
     def truly_moved(self, after: TrueState) -> list[str]:
-        """Describe the parts that moved until `after` by the ground truth; empty without a simulation."""
+        """Describe what moved by the ground truth from this state to `after`; empty without a simulation."""
         if self.truth is None or after.truth is None:
             return []
         return [f"truly moves: {text}" for text in not_still(self.truth, after.truth)]
