@@ -35,18 +35,18 @@ VI.
 
 
 class Laying(Protocol):
-    """Observations of a run that lays sensors."""
+    """Interface of the observations that plots need of a run in which the robot lays out seismic sensors."""
 
     tracks: dict[str, list[Place]]
     station: TotalStation | None
 
     def placements(self) -> list[Placement]:
-        """Return the placements of all sensors."""
+        """Return target, estimated, measured and true position of each released sensor."""
         ...
 
 
 def draw_as_laid(folder: Path, survey: Laying, sensors: list[AsLaid]) -> Path:
-    """Draw a run's localization, its trajectory and errors into its folder; return the picture's path."""
+    """Draw trajectory, localization and placement errors of a run into its folder; return the path."""
     from matplotlib.figure import Figure
 
     tall = _tall(survey)

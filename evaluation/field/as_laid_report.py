@@ -27,7 +27,7 @@ REPORT_NAME = "as_laid"
 
 
 class AsLaid(NamedTuple):
-    """Estimated position of one released sensor."""
+    """Robot's estimate, with covariance, of the position at which it released a seismic sensor."""
 
     name: str
     place: FloatArray
@@ -37,8 +37,9 @@ class AsLaid(NamedTuple):
 
     @property
     def ellipse(self) -> tuple[float, float, float]:
-        """Half axes of the ellipse that holds the sensor with 95 %, in [m], and the direction of the first in
-        [rad].
+        """Ellipse that contains the sensor with a probability of 95 %.
+
+        Large and small half axis, in [m], and the direction of the large one, in [rad].
         """
         values, axes = np.linalg.eigh(self.covariance)
         scale = math.sqrt(-2.0 * math.log(1.0 - ELLIPSE_PROBABILITY))  # of two degrees of freedom
@@ -47,7 +48,7 @@ class AsLaid(NamedTuple):
 
     @property
     def outline(self) -> FloatArray:
-        """Closed outline (n, 2) of the ellipse in the field's frame, in [m]."""
+        """Closed outline (n, 2) of the 95 % ellipse in the field's frame, in [m]."""
         large, small, turn = self.ellipse
         angle = np.linspace(0.0, 2.0 * math.pi, ELLIPSE_CORNERS + 1)
         round_ = np.column_stack([large * np.cos(angle), small * np.sin(angle)])
@@ -56,8 +57,9 @@ class AsLaid(NamedTuple):
 
 
 def as_laid(robot: Robot, model: WorldModel) -> list[AsLaid]:
-    """Return all released sensors, smoothed if the localizer can do it, otherwise with the estimate at
-    release.
+    """Return the estimated positions of all released sensors.
+
+    They are smoothed with all later readings if the localizer can do this, otherwise as estimated at release.
     """
     work = model.of(FieldWork)
     beliefs = robot.localization.smoothed()
@@ -77,7 +79,10 @@ def _smoothed(laid: Laid, pose: FloatArray, covariance: FloatArray) -> AsLaid:
 
 
 def write_as_laid(prepared: Prepared, folder: Path) -> list[AsLaid]:
-    """Write `as_laid.csv` and, where the field's origin on the Earth is known, `as_laid.geojson`."""
+    """Write the estimated positions of all released sensors to `as_laid.csv`, and return them.
+
+    If the field's origin on the Earth is known, write `as_laid.geojson` as well.
+    """
     field, sensors = prepared.model.of(FieldWork).field, as_laid(prepared.robot, prepared.model)
     origin = None if field is None else field.origin
     earth = EarthFrame(origin.latitude_deg, origin.longitude_deg) if origin else None

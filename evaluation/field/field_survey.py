@@ -38,7 +38,7 @@ MAX_NOTE_PERIOD_S = 5.0  # [s] at most between two notes
 
 @dataclass(frozen=True)
 class FieldNote:
-    """Observations of a `FieldSurvey` since its last note."""
+    """Observations of a `FieldSurvey` since its last note, saved so that a resumed run can continue."""
 
     laid: dict[str, tuple[str, Place | None]]
     """Name of the simulated body and measured position of each sensor laid since then, by the sensor's
@@ -50,7 +50,7 @@ class FieldNote:
 
 
 class FieldSurvey(Survey):
-    """Survey that records where sensors are released."""
+    """Evaluation of a run that lays out seismic sensors, by their true and measured positions."""
 
     name = "field"
     effects = FIELD_EFFECTS
@@ -80,7 +80,7 @@ class FieldSurvey(Survey):
 
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
-        """Return whether the run lays sensors, or has targets for which it reports where sensors lie."""
+        """Return whether the run lays sensors, or has target positions for sensors to report on."""
         return bool(run.does & cls.effects.keys() or run.model.of(FieldWork).targets)
 
     @override
@@ -140,7 +140,7 @@ class FieldSurvey(Survey):
         self._noted, self._noted_lengths = self._scene.time, self._lengths()
 
     def placements(self) -> list[Placement]:
-        """Return all sensors that were let go."""
+        """Return target, estimated, measured and true position of each released sensor."""
         work = self._model.of(FieldWork)
         found = []
         for laid in work.laid:
@@ -172,7 +172,7 @@ class FieldSurvey(Survey):
         return result
 
     def report(self, prepared: Prepared, folder: Path) -> None:
-        """Write the report of the sensors' positions as laid into a folder, if any sensor was laid."""
+        """Write the report of the laid sensors' estimated positions into a folder, if any sensor was laid."""
         if not prepared.model.of(FieldWork).laid:
             return
         from .as_laid_report import write_as_laid
@@ -180,7 +180,7 @@ class FieldSurvey(Survey):
         self._as_laid = write_as_laid(prepared, folder)
 
     def draw(self, folder: Path) -> None:
-        """Draw the as-laid report into a run's folder if sensors were surveyed."""
+        """Draw the report of the laid sensors into a run's folder, if a simulated run has laid any."""
         if self._as_laid and self._scene is not None:
             from .as_laid_plots import draw_as_laid
 

@@ -28,9 +28,9 @@ class Sight(NamedTuple):
 class TotalStation:
     """Total station that measures a reflector on the robot's hand by the ground truth, for evaluation only.
 
-    Every 0.3 s it measures the reflector, unless body or mast of the robot, or an object in the field, is
-    in between. The reflector is directly above the sensor; the paper has it on top of the slide, where a
-    tilted slide would count as an error.
+    It measures the reflector every `period_s` seconds of its spec, unless body or mast of the robot, or an
+    object in the field, is in between. The reflector is directly above the held sensor, so that a tilt of the
+    robot's vertical slide does not count as an error.
     """
 
     def __init__(self, spec: StationSpec, scene: Any, seed: int) -> None:

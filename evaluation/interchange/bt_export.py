@@ -27,7 +27,7 @@ _LAST = re.compile(r"'([^']*)'\)*$")
 
 
 def tree_text(parts: TaskParts) -> str:
-    """Return a task as XML."""
+    """Return a task as a behaviour tree in the XML of BehaviorTree.CPP."""
     return "\n".join(_lines(parts)) + "\n"
 
 
@@ -116,15 +116,15 @@ def _model(parts: TaskParts) -> Iterator[str]:
 
 
 def is_own_tree(root: XmlElement) -> bool:
-    """Return whether a file of BehaviorTree.CPP was written from a task."""
+    """Return whether a file of BehaviorTree.CPP was exported from a handcart task."""
     return _top(root) is not None
 
 
 def parts_of_tree(root: XmlElement) -> TaskParts:
-    """Return the task that a tree was written from.
+    """Return the task from which a behaviour tree was exported.
 
     Raises:
-        LookupError, TypeError, ValueError: the tree was changed so that it is not a task any more.
+        LookupError, TypeError, ValueError: the tree was edited and no longer is a task.
     """
     top = _top(root)
     assert top is not None
@@ -135,7 +135,7 @@ def parts_of_tree(root: XmlElement) -> TaskParts:
 
 
 def changed_leaves(root: XmlElement) -> Iterator[LostConstruct]:
-    """Yield the leaves of a tree from a task that belong to none of its actions."""
+    """Yield those leaves of an exported and edited tree that belong to no action of the task."""
     top = _top(root)
     rows = (
         [descendant for descendant in _descendants(top) if ROW_PORT in descendant.attributes] if top else []

@@ -25,7 +25,7 @@ class NotExpressed(InputError):
 
 
 def exported(task: Task, kind: str) -> tuple[str, tuple[str, ...]]:
-    """Return a task as text in a format, and the parts that the text keeps but does not execute.
+    """Return a task as text in another program's format, and the parts that have no effect there.
 
     Args:
         task: the task.

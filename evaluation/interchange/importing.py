@@ -34,11 +34,11 @@ def import_file(path: Path, problem: Path | None = None) -> Imported:
 
     Args:
         path: the file.
-        problem: a file with the problem of a PDDL domain; None: it is in the same file.
+        problem: a file with the problem of a PDDL domain; None: the problem is in `path` as well.
 
     Raises:
-        FileError: it is of no known format, or not well-formed.
-        TooLargeDraft: its retries multiply to too many actions.
+        FileError: the file is of no known format, or not well-formed.
+        TooLargeDraft: the retries in the file multiply to too many actions.
     """
     suffix = path.suffix.lower()
     if suffix in (".yaml", ".yml"):

@@ -8,7 +8,7 @@ from handcart.files.errors import Finding
 
 
 class LostConstruct(NamedTuple):
-    """A construct that is not in the task, or has another meaning there."""
+    """Construct of an imported file that the task cannot express, or only with another meaning."""
 
     line: int
     """Its line in the file, from 1; 0 for objects in memory."""
@@ -24,7 +24,7 @@ class LostConstruct(NamedTuple):
 
 
 class Imported(NamedTuple):
-    """A task that was read from another format."""
+    """Task that was imported from another format, with the constructs that it could not express."""
 
     data: dict[str, Any]
     """Content of the task's file."""

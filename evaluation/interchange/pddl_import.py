@@ -42,7 +42,7 @@ class _Action(NamedTuple):
 
 
 def import_planning(path: Path | str, problem: Path | str | None = None) -> Imported:
-    """Return the task of a domain and a problem, in two files or one; raises `FileError`."""
+    """Return the task of a PDDL domain and problem, in one file or two; raises `FileError`."""
     expressions = [*read_expressions(path), *(read_expressions(problem) if problem else [])]
     found = {_kind(expression): expression for expression in expressions if expression.head == "define"}
     for kind in ("domain", "problem"):

@@ -20,7 +20,7 @@ Carried = Callable[[str, Mapping[str, Any]], tuple[bool, str]]
 
 @dataclass
 class TreeMemory:
-    """Situation of a tree, and the Fails of each action."""
+    """Memory that the behaviours of a task's tree share: the present situation, and Fails of each action."""
 
     situation: str
     fails: dict[int, int] = field(default_factory=dict)
@@ -40,8 +40,10 @@ class AtGoal(behaviour.Behaviour):
 
 
 class DoAction(behaviour.Behaviour):
-    """Behaviour of one action of the task, which fails where the action does not start, and runs while the
-    task runs.
+    """Behaviour of py_trees for one action of a task.
+
+    It is Failure in situations in which the action does not start, and Running after the action, so that the
+    tree goes on.
     """
 
     def __init__(self, number: int, row: Mapping[str, Any], memory: TreeMemory, carry: Carried) -> None:
@@ -49,7 +51,7 @@ class DoAction(behaviour.Behaviour):
         self.number, self.row, self.memory, self._carry = number, dict(row), memory, carry
 
     def update(self) -> common.Status:
-        """Do the action if it starts here."""
+        """Execute the action if it starts in the present situation and has attempts left."""
         memory, row, most = self.memory, self.row, most_attempts(self.row)
         is_out = most is not None and memory.fails.get(self.number, 0) >= most
         if memory.situation != row["from"] or is_out:
@@ -76,11 +78,16 @@ class TaskTree(composites.Selector):
 
 
 def py_tree(parts: TaskParts, carry: Carried) -> TaskTree:
-    """Return a task as a tree whose leaves call a function for each primitive."""
+    """Return a task as a behaviour tree of py_trees.
+
+    Args:
+        parts: the task.
+        carry: function that the leaves call to execute a primitive, with its name and arguments.
+    """
     return TaskTree(parts, carry)
 
 
 def parts_of_py_tree(tree: TaskTree) -> TaskParts:
-    """Return the task that a tree was made from, with the actions that are in it now."""
+    """Return the task from which a tree was made, with the actions that the tree has now."""
     actions = [child.row for child in tree.children if isinstance(child, DoAction)]
     return TaskParts(tree.head, tree.situations, actions, tree.order)

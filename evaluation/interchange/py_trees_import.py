@@ -28,7 +28,7 @@ CONSTANT_LEAVES = {"Success": "AlwaysSuccess", "Failure": "AlwaysFailure"}
 
 
 def import_py_tree(root: Behaviour) -> Imported:
-    """Return the task of a tree of py_trees; a leaf's class is its primitive."""
+    """Convert a behaviour tree of py_trees to a task; the class of each leaf gives the primitive's name."""
     lost: dict[LostConstruct, None] = {}
     tree = _node(root, lost, [0])
     draft = TaskDraft(root.name)

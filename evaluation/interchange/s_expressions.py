@@ -17,7 +17,7 @@ _TOKEN = re.compile(r";[^\n]*|[()]|[^\s();]+")
 
 @dataclass
 class Expression:
-    """A word, or a list of expressions."""
+    """S-expression, as in PDDL: a word, or a list of expressions, with its place in the file."""
 
     line: int
     column: int
@@ -27,7 +27,7 @@ class Expression:
 
     @property
     def head(self) -> str:
-        """The first word of a list; "" if it begins with none."""
+        """First word of a list; "" for an empty list, or one that begins with a list."""
         return self.parts[0].word if self.parts else ""
 
     def __str__(self) -> str:

@@ -20,7 +20,7 @@ SUCCESS_EVENT, FAIL_EVENT = "done.success", "done.fail"
 
 
 def chart_text(parts: TaskParts) -> str:
-    """Return a task as a state chart."""
+    """Return a task as a state chart in the W3C's format SCXML."""
     return "\n".join(_lines(parts)) + "\n"
 
 
@@ -61,15 +61,15 @@ def _action(number: int, row: Any, ids: dict[str, str]) -> Iterator[str]:
 
 
 def is_own_chart(root: XmlElement) -> bool:
-    """Return whether a state chart was written from a task."""
+    """Return whether a state chart in SCXML was exported from a handcart task."""
     return f"{XML_NAME}:task" in root.attributes
 
 
 def parts_of_chart(root: XmlElement) -> TaskParts:
-    """Return the task that a state chart was written from.
+    """Return the task from which a state chart was exported.
 
     Raises:
-        LookupError, TypeError, ValueError: the chart was changed so that it is not a task any more.
+        LookupError, TypeError, ValueError: the chart was edited and no longer is a task.
     """
     head = json.loads(root.attributes[f"{XML_NAME}:task"])
     order = head.pop("order")

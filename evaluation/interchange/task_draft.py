@@ -21,7 +21,7 @@ _NOT_A_NAME = re.compile(r"[^0-9A-Za-z]+")
 
 
 class TooLargeDraft(InputError):
-    """Error of a draft in which retries and recoveries multiply beyond what is useful."""
+    """Error for an imported task whose retries and recoveries multiply to too many actions."""
 
     def __init__(self) -> None:
         wrong = f"with its retries the task has more than {MAX_DRAFT_ACTIONS} actions"
@@ -42,7 +42,7 @@ class TaskDraft:
         self._placeholders = 0
 
     def situation(self, name: str) -> str:
-        """Return the name of a new situation, like the given one."""
+        """Add a situation to the task, and return its name: the given name, with a number if it is taken."""
         plain = found = name.strip() or "here"
         while found in self._situations or found in (GOAL_NAME, FAILED_NAME):
             self._counts[plain] += 1
@@ -51,7 +51,7 @@ class TaskDraft:
         return found
 
     def placeholder(self) -> str:
-        """Return a name that actions may use for a situation that `bind` determines later."""
+        """Return a preliminary name for a situation; actions may use it before `bind` sets the situation."""
         self._placeholders += 1
         return f"\0{self._placeholders}"
 
@@ -80,8 +80,8 @@ class TaskDraft:
         """Return the content of the task's file.
 
         Args:
-            start: situation in which it begins.
-            backwards: whether everything was added from the end on.
+            start: situation in which the task begins.
+            backwards: True if situations and actions were added in reverse order, the last ones first.
         """
         step = -1 if backwards else 1
         actions = [self._resolved(action) for action in self._actions[::step]]
@@ -130,7 +130,7 @@ def _target(fail: Any) -> str | None:
 
 
 def primitive_name(name: str) -> str:
-    """Return a name as primitives are called: `ComputePathToPose` is COMPUTE_PATH_TO_POSE."""
+    """Convert a name to the form of primitives' names, from `ComputePath` to COMPUTE_PATH."""
     parted = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name)
     return _NOT_A_NAME.sub("_", parted).strip("_").upper() or "ACTION"
 

@@ -18,7 +18,7 @@ FLOW_KEYS = ("do", "from", "to", "then", "on_fail", "attempts", "with")
 
 @dataclass(frozen=True)
 class TaskParts:
-    """Content of a task's file."""
+    """Content of a task's file as parts that other formats express: situations, actions and other keys."""
 
     head: Mapping[str, Any]
     """All keys but `situations` and `actions`."""
@@ -29,13 +29,16 @@ class TaskParts:
 
     @classmethod
     def of_data(cls, data: Mapping[str, Any]) -> TaskParts:
-        """Return the parts of a written task's content."""
+        """Split the content of a task's file into its parts."""
         head = {key: value for key, value in data.items() if key not in ("situations", "actions")}
         return cls(head, data["situations"], data["actions"], list(data))
 
     @classmethod
     def of_task(cls, task: Task) -> TaskParts:
-        """Return the parts of a task; a network that its conditions span is written out."""
+        """Return the parts of a task.
+
+        If the task's file describes its network by conditions, all situations and actions are written out.
+        """
         document = task.document
         data = parse_document(document.content, document.file, max_nodes=MAX_TASK_NODES).data
         return cls.of_data(_written(task, data) if isinstance(task.file, ConditionFile) else data)
@@ -47,17 +50,17 @@ class TaskParts:
 
     @property
     def start(self) -> str:
-        """The situation at the start."""
+        """Name of the situation in which the task starts."""
         return str(self.head["start"])
 
     @property
     def goal(self) -> str:
-        """The situation to be reached last."""
+        """Name of the situation in which the task ends; of several goals, the last one."""
         goal = self.head["goal"]
         return str(goal[-1] if isinstance(goal, list) else goal)
 
     def lost(self) -> Iterator[str]:
-        """Yield the parts of the task that other formats keep only as a comment, and do not execute."""
+        """Yield descriptions of the task's features that other formats keep only as comments."""
         words = {
             "policy": "the policy",
             "belief": "beliefs",
@@ -85,7 +88,10 @@ def attempts_of(row: Row) -> Any:
 
 
 def most_attempts(row: Row) -> int | None:
-    """Return the number of Fails after which an action is excluded; None if it never is, or shares them."""
+    """Return the number of Fails after which an action is excluded.
+
+    None if it is never excluded, or if it shares its attempts with other actions.
+    """
     given = attempts_of(row)
     most = given.get("most", None if "budget" in given else 3) if isinstance(given, Mapping) else given
     return most if isinstance(most, int) else None
@@ -99,7 +105,10 @@ def successes(row: Row) -> list[tuple[str, str, Any]]:
 
 
 def failures(row: Row) -> list[tuple[str, str, Any]]:
-    """Return situation, cause and probability of each Fail of an action, that of unnamed causes last."""
+    """Return next situation, cause and probability of each kind of Fail of an action.
+
+    The last entry, with an empty cause, is for causes that the action does not name.
+    """
     given = row.get("on_fail")
     if not isinstance(given, Mapping):
         return [(given or row["from"], "", None)]
@@ -111,7 +120,7 @@ def failures(row: Row) -> list[tuple[str, str, Any]]:
 
 
 def further_keys(row: Row) -> dict[str, Any]:
-    """Return the keys of an action that the other formats do not express by themselves."""
+    """Return the keys of an action for which other formats have no construct of their own."""
     return {key: value for key, value in row.items() if key not in FLOW_KEYS}
 
 

@@ -50,10 +50,10 @@ Compile = Callable[[BehaviourNode, str, str], str]
 
 
 class TreeFlow:
-    """Translator of a behaviour tree's leaves into actions between situations, which are added to a draft.
+    """Translator of a behaviour tree into a draft of a task: its leaves become actions between situations.
 
-    A situation is the point in the tree where the flow of control is. A Fail changes no facts, so that
-    `on_fail` may lead to the leaf that the tree ticks next.
+    A situation is a point in the tree between two leaves. An action's `on_fail` leads to the leaf that the
+    tree ticks next after a failure, which is allowed because a Fail changes no facts.
     """
 
     def __init__(self, draft: TaskDraft, trees: Mapping[str, BehaviourNode]) -> None:
@@ -87,7 +87,7 @@ class TreeFlow:
         }
 
     def translate(self, tree: str) -> str:
-        """Add a tree; return the situation in which it begins."""
+        """Add the actions of a tree to the draft, and return the situation in which the tree begins."""
         self._open.append(tree)
         root = self._trees[tree]
         if root.kind in ("Repeat", "KeepRunningUntilFailure") and self._count(root) < 0 and root.children:

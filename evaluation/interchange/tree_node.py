@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class BehaviourNode:
-    """A node, by the names of BehaviorTree.CPP."""
+    """Node of a behaviour tree of any format, with the kind of node as BehaviorTree.CPP names it."""
 
     kind: str
     """Name of a control, decorator or leaf node."""
@@ -22,5 +22,5 @@ class BehaviourNode:
 
     @property
     def construct(self) -> str:
-        """The node in messages."""
+        """Name of the node for messages: as its file names it, otherwise its kind and name."""
         return self.shown or (f"{self.kind} {self.name!r}" if self.name else self.kind)

@@ -15,7 +15,7 @@ MAX_XML_BYTES = 1 << 21
 
 @dataclass
 class XmlElement:
-    """An element with its place in the file."""
+    """Element of an XML file, with its line and column in the file."""
 
     tag: str
     attributes: Mapping[str, str]

@@ -119,7 +119,7 @@ def _modified(survey: Survey, claim: Claim) -> list[str]:
 
 
 class ArrivalSurvey(FiguresSurvey):
-    """Survey of arrivals, which reports the largest distance and turn from a place in a run."""
+    """Evaluation of how exactly the base arrives at places: the largest true distance and turn in a run."""
 
     name = "arrival"
     effects: ClassVar = {
@@ -140,7 +140,12 @@ class ArrivalSurvey(FiguresSurvey):
 
 
 def arrival(run: SurveyedRun, place: str) -> tuple[float, float]:
-    """Return the true distance in [mm] and the turn in [deg] of the base from a place, given its name."""
+    """Return the true error of the base at a place: distance in [mm], and turn in [deg].
+
+    Args:
+        run: run with the simulated world.
+        place: name of the place.
+    """
     goal, base = run.model.places[place].pose, run.base_on_map
     return 1e3 * goal.distance(base), math.degrees(goal.turn(base))
 

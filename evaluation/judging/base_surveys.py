@@ -13,7 +13,7 @@ from .survey import Survey, SurveyedRun
 
 
 class LocalisationSurvey(Survey):
-    """Survey that accumulates the localization error of the base once per period."""
+    """Evaluation of localization: RMS and maximum, over all periods, of the base's pose error."""
 
     name = "localisation"
     noted = tuple[int, float, float, float]
@@ -35,7 +35,7 @@ class LocalisationSurvey(Survey):
         return run.scene is not None
 
     def look(self, robot: Robot) -> None:
-        """Add the error of this period, if the pose on the map is known."""
+        """Add the error of the estimated pose in this period, if the robot is located on the map."""
         if not robot.localization.is_located:
             return
         pose, truth = robot.pose, self.run.base_on_map

@@ -25,7 +25,10 @@ Pair = tuple[str, str]
 
 @dataclass
 class Touched:
-    """One contact, from its begin (or the begin of its action) to its end (or the end of its action)."""
+    """Contact of the robot with another body during one action, or between actions.
+
+    A contact that lasts longer than an action counts separately for each action.
+    """
 
     part: RobotPart
     body: str
@@ -84,24 +87,27 @@ class ContactSurvey(Survey):
         return run.scene is not None
 
     def started(self, number: int, primitive: ActionPrimitive) -> None:
-        """Take an action as the running one; bodies that touch already count as touched by it, too."""
+        """Record that an action starts; contacts that exist already count as contacts of this action, too."""
         self._running, self._lasting = (number, primitive), {}
 
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
-        """Return a message for each unmeant contact of the ended action; empty unless it was a Success."""
+        """Return a message for each contact that an action with Success did not intend.
+
+        Empty after a Fail or GiveUp.
+        """
         unmeant = self.unmeant()
         self._running = None
         self._lasting = dict.fromkeys(self.run.world.touching)
         return [str(touched) for touched in unmeant] if isinstance(outcome, Success) else []
 
     def unmeant(self) -> list[Touched]:
-        """Return the contacts of the running action that its primitive does not declare as meant."""
+        """Return the contacts of the running action that its primitive does not declare as intended."""
         number = 0 if self._running is None else self._running[0]
         own = (contact for contact in self.contacts if contact.action == number and number)
         return [item for item in own if not item.meant and not item.ran_into_it]
 
     def look(self, robot: Robot) -> None:
-        """Update the contacts after a period."""
+        """Record the contacts that begin, last or end in this period, with their forces."""
         world = self.run.world
         if world.held is not None:
             self._held = world.held.name
@@ -148,7 +154,7 @@ class ContactSurvey(Survey):
         self._lasting = dict.fromkeys(self.run.world.touching)
 
     def figures(self) -> dict[str, Any]:
-        """Return the number of contacts of each part of the robot, and the first of the unmeant contacts."""
+        """Return the number of contacts of each part of the robot, and the first unintended contacts."""
         unmeant = [contact for contact in self.contacts if not contact.meant and not contact.ran_into_it]
         seconds = sum(item.to_s - item.from_s for item in unmeant)
         counts = {f"contacts_of_{part}": _of(self.contacts, part) for part in ("base", "arm", "hand", "held")}
@@ -174,7 +180,7 @@ def _of(contacts: list[Touched], part: str) -> int:
 
 
 class RobotLinks:
-    """Classifier of the robot's bodies in contacts: base, arm, hand or held."""
+    """Assignment of the robot's bodies in contacts to its parts: base, arm, hand or held object."""
 
     def __init__(self, arm: ArmModel | None) -> None:
         """Sort the links of an arm; None for a robot without an arm."""
@@ -182,8 +188,10 @@ class RobotLinks:
         self._hand = {FINGERS_BODY} if arm is None else {FINGERS_BODY, "hand", *_moved(arm, arm.dof - 1)}
 
     def part(self, body: str) -> RobotPart:
-        """Return the part that a body belongs to, by its name in a contact; a structure on the base counts as
-        base.
+        """Return the robot's part that a body belongs to; a structure on the base counts as base.
+
+        Args:
+            body: name of the body in a contact.
         """
         if body == LOAD_NAME:
             return "held"

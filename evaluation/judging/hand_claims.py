@@ -20,8 +20,8 @@ def false_hold(claim: Claim, model: WorldModel) -> list[str]:
     """Return a message if the hand holds other things than a Success claims, otherwise an empty list.
 
     Args:
-        claim: a Success, with the ground truth before and after it.
-        model: the robot's knowledge after it.
+        claim: a Success, with the ground truth before and after the action.
+        model: the robot's knowledge after the action.
     """
     before, after = things_held(claim.before), things_held(claim.after)
     match claim.primitive.hand_use().after:

@@ -50,7 +50,7 @@ class Judge(RunObserver):
         self.surveys.look(robot)
 
     def event(self, event: Event) -> None:
-        """Record the ground truth when an action starts, and compare it when the action has ended."""
+        """Record the ground truth when an action starts, and check its outcome when it has ended."""
         if isinstance(event, Started):
             self.surveys.started(event.number, event.primitive)
         elif isinstance(event, Ended):
@@ -62,7 +62,7 @@ class Judge(RunObserver):
                 self._notes.add(self._run.world.time, note)
 
     def go_on(self) -> None:
-        """Restore the notes of the interrupted run that this run continues.
+        """Restore the surveys' observations from the interrupted run that this run continues.
 
         Raises:
             NotAState: the notes are damaged or have another format.

@@ -28,7 +28,7 @@ FLOOR_ROOM_M = 0.12  # added to the footprint, for floor that the robot can cert
 
 
 class MapFigures(NamedTuple):
-    """A map compared with the truth."""
+    """Errors of a map against the simulated world: distances of its walls, and share of the floor mapped."""
 
     walls_mm: FloatArray
     """(n,) distance of each occupied cell to the nearest true surface, in [mm]."""
@@ -37,7 +37,7 @@ class MapFigures(NamedTuple):
 
 
 def compare_with_world(run: SurveyedRun, drawn: DrawnMap, radius_m: float) -> MapFigures:
-    """Compare a map with a simulated world.
+    """Return the errors of a map's walls, and the share of the floor mapped, by the simulated world.
 
     Args:
         run: run with the simulated world and the robot.
@@ -61,9 +61,9 @@ def compare_with_world(run: SurveyedRun, drawn: DrawnMap, radius_m: float) -> Ma
 def reachable_floor(
     boxes: list[tuple[float, float, float, float, float]], radius: float, start: Pose2
 ) -> FloatArray:
-    """Return points (n, 2) in [m] at which a disc can be that starts at a pose.
+    """Return points (n, 2), in [m], that a disc can reach from its start without touching obstacles.
 
-    Empty without outer walls, because the disc could then leave the surroundings of the boxes.
+    Empty without outer walls around the start, because the disc could then leave the area of the boxes.
 
     Args:
         boxes: x, y of the middle in [m], yaw in [rad], length and width in [m] of each obstacle.
@@ -122,7 +122,7 @@ def _explored(survey: Survey, claim: Claim) -> list[str]:
 
 
 class MapSurvey(FiguresSurvey):
-    """Survey of drawn maps, which reports the errors of the last one."""
+    """Evaluation of the maps that a run draws; it reports the errors of the last map."""
 
     name = "map"
     effects: ClassVar = {EXPLORE_NAME: _explored}

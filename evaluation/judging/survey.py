@@ -43,19 +43,25 @@ class SurveyedRun:
     """Folder for a survey's notes; None: no notes are kept."""
 
     def concerns(self, domain: Domain) -> bool:
-        """Return whether the run uses a domain: its primitives, its section of the model or its props."""
+        """Return whether the run uses an application domain.
+
+        It does if it has the domain's primitives, knowledge or simulated things.
+        """
         there = self.scene is not None and domain.name in self.scene.props
         return there or domain.name in self.model.sections or bool(self.does & domain.primitives.keys())
 
     @property
     def world(self) -> Scene:
-        """The simulated scene; callers have checked that there is one."""
+        """Simulated scene of the run; only valid if `scene` is not None, which callers have to check."""
         assert self.scene is not None, "nothing is simulated"
         return self.scene
 
     @property
     def world_T_map(self) -> Pose2:
-        """Pose of the robot's map in the world: by its start if it has no map, otherwise the same frame."""
+        """Pose of the robot's map in the world.
+
+        A given map has the frame of the world; without one, the start pose of the robot determines it.
+        """
         return self.world.world_T_map(self.robot.own_start)
 
     @property
@@ -66,7 +72,7 @@ class SurveyedRun:
 
     @classmethod
     def of(cls, prepared: Prepared, folder: Path | None = None) -> SurveyedRun:
-        """Return the view of a prepared run that has not started."""
+        """Return the parts, for surveys, of a prepared run that has not started."""
         robot = prepared.robot
         does = frozenset(action.do for action in prepared.task.network.actions)
         scene = simulated_world(prepared.backend)
@@ -131,31 +137,33 @@ class Survey(ABC):
 
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
-        """Return whether the survey can check anything: the run has a simulated world and one of its
-        primitives.
+        """Return whether the survey can check anything in a run.
+
+        The run must have a simulated world and one of the primitives whose effects the survey checks.
         """
         return run.scene is not None and bool(run.does & cls.effects.keys())
 
     def started(self, number: int, primitive: ActionPrimitive) -> None:
-        """Note that the action with this number starts."""
+        """React to the start of an action, given its number in the run and its primitive."""
 
     def look(self, robot: Robot) -> None:
         """Observe the robot after a period."""
 
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
-        """Return a message for each false claim of the ended action's outcome, other than those in
-        `effects`.
+        """Return a message for each claim of an action's outcome that the ground truth contradicts.
+
+        Claims that are checked by `effects` are not included.
         """
         return []
 
     def notes(self) -> Any:
-        """Return the values, of type `noted`, that a continued run needs and cannot compute again."""
+        """Return the observations that a continued run needs and cannot repeat, as the type `noted`."""
 
     def go_on(self, noted: Any) -> None:
         """Restore the last notes of the interrupted run that this run continues.
 
         Args:
-            noted: of the type `noted`; any value if that is None.
+            noted: last value of `notes`, of the class attribute's type `noted`; any value if that is None.
 
         Raises:
             ValueError: the notes cannot belong to such a run.
@@ -163,10 +171,10 @@ class Survey(ABC):
 
     @abstractmethod
     def figures(self) -> Mapping[str, Any]:
-        """Return the metrics of a run that has ended."""
+        """Return the survey's metrics of a run that has ended, by name."""
 
     def faults(self) -> list[str]:
-        """Return a message for each claim of the complete run's Success that is false."""
+        """Return a message for each way in which the Success of the complete run is false."""
         return []
 
     def report(self, prepared: Prepared, folder: Path) -> None:
@@ -185,7 +193,7 @@ class Survey(ABC):
 
 
 class FiguresSurvey(Survey):
-    """Survey whose notes and metrics are one mapping, `_figures`, by name of the metric."""
+    """Base class of surveys that only collect metrics, by name, in `_figures`."""
 
     noted = dict[str, float]
 

@@ -19,9 +19,10 @@ T = TypeVar("T")
 
 
 class SurveyNotes:
-    """File of notes with their time, one line each, from which an interrupted run continues.
+    """File of the observations of surveys during a run, from which an interrupted run continues.
 
-    A failed write, for example on a full disk, does not change how the run ends: the note is missing.
+    A note with its time is one line. If writing fails, for example on a full disk, the note is missing, but
+    the run goes on.
     """
 
     def __init__(self, folder: Path, name: str) -> None:
@@ -29,8 +30,9 @@ class SurveyNotes:
         self._path = folder / name
 
     def until(self, time_s: float) -> list[dict[str, Any]]:
-        """Return the notes up to a time in [s], oldest first, and delete later ones: that part is executed
-        again.
+        """Return the notes up to a time in [s], oldest first, and delete later notes from the file.
+
+        The continued run executes the part after that time again.
 
         Raises:
             NoRun: the file is not readable, or is larger than a run makes it.
@@ -59,7 +61,7 @@ class SurveyNotes:
             raise NotAState(f"{self._path}: {error}") from None
 
     def add(self, time_s: float, note: Mapping[str, Any]) -> None:
-        """Append a note with its time in [s]."""
+        """Append a note to the file, with its time in [s]."""
         with suppress(OSError), self._path.open("ab") as file:
             file.write(_line({"time_s": time_s, **note}))
 

@@ -37,11 +37,14 @@ T = TypeVar("T")
 
 
 class NoSurvey(InputError):
-    """Error: a domain names a class that is not a survey; raised before anything moves."""
+    """Error for an application domain that names a class which is not a survey; raised before a run."""
 
 
 def survey_kinds(run: SurveyedRun | None = None) -> tuple[type[Survey], ...]:
-    """Return the general surveys and those of all domains, or only of the domains that `run` uses.
+    """Return the classes of the general surveys and of the surveys of application domains.
+
+    Args:
+        run: run that the surveys are for; surveys of domains that it does not use are omitted. None: all.
 
     Raises:
         NoSurvey: one of them cannot be imported, or is not a survey.
@@ -69,7 +72,7 @@ def _kind(domain: str, path: str) -> type[Survey]:
 
 
 class Surveys:
-    """The surveys that apply to a run; a survey that raises an exception is removed."""
+    """Surveys that evaluate one run by the ground truth; a survey that raises an exception is removed."""
 
     def __init__(self, run: SurveyedRun) -> None:
         """Create the surveys for a run that is about to start or continue."""
@@ -96,7 +99,7 @@ class Surveys:
 
     @property
     def shown(self) -> frozenset[str]:
-        """Primitives whose pictures are shown first in a run's overview."""
+        """Names of the primitives whose pictures are shown first in a run's overview."""
         return frozenset().union(*(survey.shown for survey in self._every))
 
     def look(self, robot: Robot) -> None:
@@ -177,7 +180,7 @@ class Surveys:
                 raise NotAState(f"{path}: of {survey.name}: {error}") from None
 
     def figures(self) -> dict[str, Any]:
-        """Return the metrics of a run that has ended."""
+        """Return the metrics of all surveys for a run that has ended, by name."""
         by_survey = [figures for _, figures in self._asked(lambda survey: survey.figures())]
         return {name: value for item in by_survey for name, value in item.items()}
 

@@ -37,7 +37,9 @@ STILL_LIMITS = {
 def moved(
     before: GroundTruth, after: GroundTruth, limits: Mapping[ResidualKind, float] = STILL_LIMITS
 ) -> Residuals:
-    """Return how far everything moved; infinity for a body whose support changed.
+    """Return how far base, joints, fingers and all bodies moved between two instants, with their limits.
+
+    The motion of a body whose support changed is infinite.
 
     Args:
         before: ground truth at the first instant.
@@ -73,7 +75,7 @@ def not_restored(
     spec: RobotFile,
     base_sigma: tuple[float, float] = (BASE_SIGMA_MM, BASE_SIGMA_DEG),
 ) -> list[str]:
-    """Return a message for each quantity that is not restored within its limit.
+    """Return a message for each part of the robot or body that a failed action did not restore to its start.
 
     The limit is the tolerance of the robot's file plus 5 standard deviations of the sensor. The base has a
     fixed limit as well: twice its tolerance, or 5 standard deviations of a scan match beyond the tolerance
@@ -111,13 +113,18 @@ def _base_limit(tolerance: float, sigma: float, of_scans: float) -> float:
 
 
 def not_still(before: GroundTruth, after: GroundTruth) -> list[str]:
-    """Return a message for each quantity that changed although the scene should be at rest."""
+    """Return a message for each part of the robot or body that moved although all should be at rest."""
     return _messages(moved(before, after))
 
 
 def disturbed(before: GroundTruth, after: GroundTruth, most_mm: float, without: Collection[str]) -> list[str]:
-    """Return the bodies that moved more than `most_mm`, each with its motion in [mm], except those in
-    `without`.
+    """Return a text, with the motion in [mm], for each body that moved more than a limit.
+
+    Args:
+        before: ground truth at the first instant.
+        after: ground truth at the second instant.
+        most_mm: largest motion that is allowed, in [mm].
+        without: names of bodies that may move.
     """
     ways = {name: _way_mm(body, after.bodies.get(name)) for name, body in before.bodies.items()}
     others = sorted(name for name in ways if name not in without)

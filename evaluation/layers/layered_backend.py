@@ -20,9 +20,9 @@ Kind = type[Capability]
 
 
 class LayeredBackend(Backend):
-    """Backend that passes everything on to an inner backend; a subclass overrides what it changes.
+    """Base class of backends that wrap another backend and change some of its readings or commands.
 
-    Each capability is wrapped in a layer of its own kind, which calls this object. A method
+    Each capability of the inner backend is wrapped in an object that calls this one. A method
     `arm_move(arm, joints)` of a subclass is called instead of `Arm.move(joints)`,
     `range_sensor_scan(sensor)` instead of `RangeSensor.scan()` and so on; its first argument is the inner
     capability. Capabilities of kinds that are not in `all_capabilities` are not wrapped.
@@ -85,16 +85,16 @@ EXTENDED_KINDS: tuple[Kind, ...] = (HolonomicBase, ForceArm)
 
 
 def provided_kind(part: Capability, kind: Kind) -> Kind:
-    """Return the interface that a capability provides: a kind, or one that extends it."""
+    """Return the interface that a capability implements: the given kind, or a subclass of it in the API."""
     return next((kind_ for kind_ in EXTENDED_KINDS if isinstance(part, kind_)), kind)
 
 
 @cache
 def layered_kind(kind: Kind, provided: Kind) -> Callable[[Any, Any], Any]:
-    """Return a class that wraps a kind of capability: its abstract methods call a layered backend.
+    """Return a class that wraps capabilities of a kind and routes their methods through a `LayeredBackend`.
 
-    An instance is made from the layered backend, which has `pass_on`, and from the inner capability, which
-    has the properties and `sensor_name`.
+    An instance is made from the layered backend, whose `pass_on` gets all calls, and from the inner
+    capability, whose properties and `sensor_name` it has.
     """
     names = sorted(kind.__abstractmethods__ | {name for name in dir(kind) if _is_property(kind, name)})
     methods = {name: _passing(kind, name) for name in names}

@@ -28,9 +28,10 @@ MAX_COUNT_CHANGE = 3
 
 
 def read_bag_scans(path: Path, scan_topic: str | None = None) -> ScanLog:
-    """Read the scans of one topic with the odometry of the first Odometry topic, or of tf without one.
+    """Read lidar scans and odometry from a ROS bag.
 
-    The mounting of the lidar is read from tf. A lidar that is mounted upside down is turned back.
+    The odometry is that of the first Odometry topic; without such a topic, it is read from tf. The mounting
+    of the lidar is read from tf as well; scans of a lidar that is mounted upside down are reversed.
 
     Args:
         path: a folder of rosbag2, or a .mcap, .db3 or .bag file.

@@ -52,11 +52,11 @@ class _Scans(NamedTuple):
 def read_carmen(path: Path) -> ScanLog:
     """Read the scans of a CARMEN log (FLASER or ROBOTLASER1), with its odometry.
 
-    The odometry is that of the ODOM lines, if there are any: in corrected logs, the scans' lines have the
-    result of an earlier mapping in its place.
+    If the log has ODOM lines, the odometry is read from them: in corrected logs, the lines of the scans have
+    the result of an earlier mapping instead of the odometry.
 
     Raises:
-        FileError: the file has no scans, or lines that cannot be read; lists the first of them.
+        FileError: the file has no scans, or lines that cannot be read; it lists the first such lines.
     """
     found, findings = _Scans([], [], [], [], []), Findings()
     for number, line in enumerate(_text(path).splitlines(), start=1):

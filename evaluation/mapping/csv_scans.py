@@ -31,7 +31,7 @@ Metres = Annotated[float, Field(ge=-100.0, le=100.0)]
 
 
 class LidarHeader(FileModel):
-    """Beams and mounting of the lidar."""
+    """Beams and mounting of the lidar, in the header of a log of scans in CSV."""
 
     first_deg: Degrees
     """Angle of the first beam, counter-clockwise from the sensor's x axis."""
@@ -50,7 +50,7 @@ class LidarHeader(FileModel):
 
 
 class ScansHeader(FileModel):
-    """Header of a log of scans in CSV."""
+    """Header, in YAML, of a log of lidar scans in CSV: the file's format and the lidar."""
 
     format: Literal["handcart-scans/1"]
     """Format of the file, with its version."""
@@ -62,7 +62,7 @@ def read_csv_scans(path: Path) -> ScanLog:
     """Read a log with the columns time_s, x_m, y_m, heading_rad and one for each beam, in [m].
 
     Raises:
-        FileError: header or table have faults; lists all of them, at most `MAX_SHOWN_CELLS`.
+        FileError: header or table have faults; it lists all faults, at most `MAX_SHOWN_CELLS`.
     """
     text = decode_text(read_regular_file(path, MAX_BYTES).removeprefix(BYTE_ORDER_MARK), str(path))
     lines = text.splitlines()

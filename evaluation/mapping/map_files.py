@@ -31,14 +31,14 @@ def loops_csv(log: ScanLog, built: BuiltMap) -> str:
 
 
 def position_sigmas(built: BuiltMap) -> np.ndarray:
-    """Return the standard deviation (n,) of each position in its worst direction, in [m]."""
+    """Return the standard deviation (n,) of each position in its most uncertain direction, in [m]."""
     worst = np.linalg.eigvalsh(built.covariances[:, :2, :2])[:, -1]
     sigmas: np.ndarray = np.sqrt(np.maximum(worst, 0.0))
     return sigmas
 
 
 def figures(log: ScanLog, built: BuiltMap) -> dict[str, object]:
-    """Return the figures of a map, for `summary.json`."""
+    """Return figures about a built map for `summary.json`: scans, loop closures, uncertainty and size."""
     sigmas, rows = position_sigmas(built), built.counts.hits.shape
     residuals = [loop.match.sigma for loop in built.accepted if loop.match is not None]
     inliers = [loop.match.inliers for loop in built.accepted if loop.match is not None]

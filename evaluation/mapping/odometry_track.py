@@ -11,15 +11,16 @@ MAX_GAP_S = 1.0
 
 
 def poses_at(times: FloatArray, track_times: FloatArray, track: FloatArray) -> tuple[FloatArray, BoolArray]:
-    """Return the pose at each of some times, and whether the odometry is near enough to it.
+    """Return the odometry's pose, interpolated, at the time of each scan.
 
     Args:
-        times: (n,) of the scans, in [s].
-        track_times: (m,) of the odometry, in [s], in any order.
+        times: (n,) times of the scans, in [s].
+        track_times: (m,) times of the odometry, in [s], in any order.
         track: (m, 3) odom_T_base: x, y in [m], heading in [rad].
 
     Returns:
-        odom_T_base (n, 3), in [m, m, rad], and a mask (n,).
+        odom_T_base (n, 3), in [m, m, rad], and a mask (n,), True where a reading of the odometry is at most
+        `MAX_GAP_S` from the scan.
     """
     order = np.argsort(track_times, kind="stable")
     known, track = track_times[order], track[order]

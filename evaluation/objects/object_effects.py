@@ -33,9 +33,10 @@ def thing_of(survey: Survey, name: str) -> Thing | None:
 
 
 def true_surface(survey: Survey, name: str) -> ObjectSurface:
-    """Return a surface with its spots, moved to the solid of its name and size in the simulated world.
+    """Return a surface, with its spots for objects, at its true pose in the simulated world.
 
-    Without such a solid, return the surface as in the file of objects.
+    The true pose is that of the solid with the name and size of the surface; without such a solid, it is the
+    pose in the file of objects.
     """
     surface = survey.run.model.of(Objects).objects.surfaces[name]
     for solid in survey.run.world.solids:
@@ -47,7 +48,7 @@ def true_surface(survey: Survey, name: str) -> ObjectSurface:
 
 
 def sighting_errors(thing: Thing, seen: ObjectSighting) -> tuple[float, float]:
-    """Return how far a sighting is from the truth, in [mm] and [deg]."""
+    """Return the distance in [mm] and angle in [deg] between an object's sighted and true pose."""
     x, y = thing.pose[:2, 3].tolist()
     yaw = math.atan2(thing.pose[1, 0], thing.pose[0, 0])
     turned = abs(math.remainder(seen.pose.theta - yaw, 2.0 * math.pi))

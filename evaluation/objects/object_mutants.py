@@ -43,7 +43,7 @@ WRONG_HEADING_RAD = 0.2
 
 
 class DropsParcel(Pick):
-    """Faulty PICK that opens the hand before it goes back."""
+    """Faulty PICK that, after a failure, opens the hand and so drops the object before the arm moves back."""
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
@@ -77,7 +77,7 @@ class TurnsSighting(LookFor):
 
 
 class PlacesBlindly(PlaceObject):
-    """Faulty PLACE that lowers the object beside its goal, and claims the goal without a look."""
+    """Faulty PLACE that puts the object down beside its goal, and claims Success without measuring."""
 
     @override
     def _lower(self, robot: Robot, base_T_hand: Transform) -> Periods:
@@ -95,7 +95,7 @@ class PlacesBlindly(PlaceObject):
 
 
 class LetsGoUnasked(HandOver):
-    """Faulty HAND_OVER that opens the fingers although nobody pulls."""
+    """Faulty HAND_OVER that opens the fingers although no person pulls at the object."""
 
     @override
     @classmethod

@@ -20,7 +20,7 @@ from .object_effects import OBJECT_EFFECTS, SPOT_MM, sighting_errors, thing_of, 
 
 
 class ObjectSurvey(FiguresSurvey):
-    """Errors of sightings and of placed objects."""
+    """Evaluation of object tasks: true errors of sightings and of placed objects, and fallen objects."""
 
     name = "objects"
     effects = OBJECT_EFFECTS
@@ -38,7 +38,7 @@ class ObjectSurvey(FiguresSurvey):
         return []
 
     def faults(self) -> list[str]:
-        """Return a message for each object that lies on the floor."""
+        """Return a message for each object that has fallen to the floor."""
         things = self.run.world.of(ObjectProps).things()
         return [f"{thing.name} has fallen" for thing in things if thing.rest is Rest.FLOOR]
 

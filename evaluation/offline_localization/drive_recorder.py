@@ -35,9 +35,10 @@ COLUMN_UNITS = {
 
 
 class DriveRecorder(RunObserver):
-    """Observer that writes one row per period for an outdoor robot; in simulation also the true pose.
+    """Observer that logs the readings for localization of an outdoor robot, one row per period.
 
-    A write error, for example a full disk, ends the log and not the run.
+    In simulation the log also has the true pose. A write error, for example a full disk, ends the log but
+    not the run.
     """
 
     def __init__(self) -> None:
@@ -46,7 +47,7 @@ class DriveRecorder(RunObserver):
         self._noted, self._beacons = 0.0, 0
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
-        """Open the log; that of a continued run is cut at the time of its continuation and extended."""
+        """Open the log file; for a continued run, keep the rows before the time of its continuation."""
         robot = prepared.robot
         if robot.localization.sensed is None:
             return
@@ -64,7 +65,7 @@ class DriveRecorder(RunObserver):
         self._note(robot)
 
     def event(self, event: Event) -> None:
-        """Write the log to disk at each event: a killed run continues from the end of an action."""
+        """Flush the log to disk, so that a killed run can be continued from the end of its last action."""
         if self._robot is not None:
             self._note(self._robot, whole=True)
 

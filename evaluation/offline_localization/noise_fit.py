@@ -20,7 +20,7 @@ MIN_LIKELIHOOD_GAIN = 3.0  # of the log-likelihood: a smaller gain is chance
 
 
 class Knob(NamedTuple):
-    """A group of noise parameters that are scaled together."""
+    """Group of noise parameters that the fit scales together by one factor."""
 
     words: str
     turned: Callable[[FieldNoise, float], FieldNoise]
@@ -28,7 +28,7 @@ class Knob(NamedTuple):
 
 
 class Fitted(NamedTuple):
-    """The noise with the largest likelihood of a log's fixes."""
+    """Result of fitting a vehicle's noise to a log: the noise for which the fixes are most likely."""
 
     noise: FieldNoise
     before: float
@@ -78,10 +78,13 @@ NOISE_KNOBS = (
 
 
 def fit_noise(log: DriveLog, given: FieldNoise, passed: Callable[[float], None] | None = None) -> Fitted:
-    """Change one knob after the other while the likelihood of the fixes increases (coordinate ascent).
+    """Fit the noise of a vehicle to a log by the likelihood of its fixes.
+
+    One group of noise parameters after the other is scaled while the likelihood increases (coordinate
+    ascent).
 
     Args:
-        log: a drive with fixes, kilometres rather than metres.
+        log: a drive with fixes, better of kilometres than of metres.
         given: initial noise.
         passed: called from time to time with the completed share.
     """

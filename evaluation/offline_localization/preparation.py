@@ -18,7 +18,7 @@ AUTO_AXES = "auto"
 
 
 class PreparedLog(NamedTuple):
-    """A log that is ready for replay, and the assumed noise of its vehicle."""
+    """Log that has been checked and corrected for replay, and the assumed noise of its vehicle."""
 
     log: DriveLog
     noise: FieldNoise

@@ -36,11 +36,11 @@ STEERED_NOISE: dict[str, Any] = {
 
 
 class NoRanges(InputError):
-    """Error: a log lacks the ranges or the start pose that localization by beacons needs."""
+    """Error for a log without the ranges or the start pose that localization by radio beacons needs."""
 
 
 class ReplayedFix(NamedTuple):
-    """A fix, and whether the localizer accepted it."""
+    """Fix of the satellite receiver in a replayed log, and whether the localizer accepted it."""
 
     time: float
     """Time of the fix, in [s]."""
@@ -52,7 +52,7 @@ class ReplayedFix(NamedTuple):
 
 
 class Replayed(NamedTuple):
-    """Result of the localization of a log."""
+    """Result of running a localizer on a log: estimated poses, reference poses and accepted fixes."""
 
     times: FloatArray
     """(k,) in [s]."""
@@ -76,7 +76,7 @@ class Replayed(NamedTuple):
 
     @property
     def errors(self) -> FloatArray:
-        """Estimate minus reference (k, 3), x, y in the world in [m] and heading in [rad]."""
+        """Errors (k, 3), estimate minus reference pose: x, y in the world in [m], heading in [rad]."""
         away = self.poses - self.truth
         away[:, 2] = (away[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
         return away
@@ -91,7 +91,7 @@ def localizer_for(
         log: the log to be replayed.
         noise: assumed noise of wheels, gyros and receiver.
         kind: `gps_filter`, `particle` or `beacons`.
-        alone: whether a `gps_filter` has this noise as its only hypothesis.
+        alone: True for a `gps_filter` with `noise` as its only hypothesis about the noise.
     """
     if log.antenna is not None:
         noise = noise._replace(antenna=log.antenna)
@@ -115,11 +115,11 @@ def localizer_for(
 
 
 def particle_errors(noise: FieldNoise, position: float) -> ParticleErrors:
-    """Return the assumed errors of a vehicle for the particle filter.
+    """Convert a vehicle's noise to the errors that the particle filter assumes.
 
-    The filter has no states for lasting errors. So a gyro's bias and slipping wheels are random walks
-    that grow to the same size within `LASTS_S`, and slow errors of the fixes count as white ones of
-    their size.
+    The filter does not estimate slowly varying errors. A gyro's bias and slipping wheels are therefore random
+    walks that grow to the same size within `LASTS_S`, and slow errors of the fixes are white errors of the
+    same size.
 
     Args:
         noise: noise of wheels, gyros and GPS.
@@ -159,14 +159,14 @@ def replay(
     period: float = 0.0,
     white: float | None = None,
 ) -> Replayed:
-    """Replay a log to a localizer.
+    """Run a localizer on the readings of a log, and return its estimates.
 
     Args:
         log: the log with all fixes.
         localizer: a new localizer.
         passed: called from time to time with the completed share.
-        period: minimum time between fixes that the localizer receives, in [s]; earlier fixes are
-            skipped, but those that jump are listed.
+        period: minimum time between fixes that the localizer receives, in [s]; closer fixes are skipped, but
+            listed in the result if they jump.
         white: error of a fix per axis used by the detection of jumps, in [m]; None: jumps are detected by the
             localizer alone.
     """

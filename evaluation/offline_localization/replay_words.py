@@ -14,7 +14,7 @@ MAX_SHOWN_FIXES = 12  # rejected fixes listed one by one
 
 
 def figures(replayed: Replayed) -> dict[str, Any]:
-    """Return the numbers of a replay: fixes, claimed uncertainty, and errors if the log has a reference."""
+    """Return figures of a replay, by name: fixes, claimed uncertainty, and errors against a reference."""
     claimed = np.sqrt(np.trace(replayed.covariances[:, :2, :2], axis1=1, axis2=2))
     refused = [fix for fix in replayed.fixes if not fix.believed]
     found: dict[str, Any] = {

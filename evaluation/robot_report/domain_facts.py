@@ -15,7 +15,7 @@ class FactTable(NamedTuple):
 
 
 class DomainFacts(NamedTuple):
-    """Facts that a domain reports on a robot that is to work in it."""
+    """Facts that an application domain reports on a robot: what the robot can do there, and what it lacks."""
 
     remarks: Sequence[str] = ()
     """Things that the robot lacks, each with the part of the domain that needs it."""

@@ -51,18 +51,18 @@ class LinkTree:
         return found[::-1]
 
     def chain(self, link: str) -> list[str]:
-        """Return the joints that move a link, without those that mimic another."""
+        """Return the joints that move a link, in order from the root, without joints that mimic others."""
         return [joint for joint in self.moved_by(link) if joint not in self.led]
 
     def carried(self, link: str) -> list[str]:
-        """Return the link and the links fixed to it, in the file's order of joints."""
+        """Return a link and all links that are fixed to it, directly or through other links."""
         found = [link]
         for item in found:
             found += [self.child[j] for j in self.child if self.parent[j] == item and j not in self.moving]
         return found
 
     def moved_from(self, link: str) -> list[str]:
-        """Return the joints that are mounted on a link or on links fixed to it."""
+        """Return the movable joints whose parent is a link or another link that is fixed to this link."""
         body = set(self.carried(link))
         return [joint for joint in self.moving if self.parent[joint] in body]
 

@@ -20,8 +20,8 @@ def mass_faults(link: LinkFacts, bodies: Sequence[Shape], moves: bool = False) -
 
     Args:
         link: the link in its URDF.
-        bodies: its collision bodies, in its frame.
-        moves: whether a joint moves it.
+        bodies: collision bodies of the link, in the link's frame.
+        moves: whether a joint moves the link.
     """
     if link.mass is None and moves and not bodies:
         return ["no mass, and a joint moves it: engines give it one millionth of a kilogram"]

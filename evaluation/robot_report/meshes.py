@@ -14,7 +14,7 @@ MIN_CONVEX_SHARE = 0.9  # of its convex hull that a convex mesh fills
 
 @dataclass(frozen=True)
 class MeshRow:
-    """Result of the check of one mesh."""
+    """Result of checking one mesh of a URDF: whether its file exists, and how convex it is."""
 
     link: str
     kind: str
@@ -38,7 +38,7 @@ class MeshRow:
 
 
 def mesh_row(use: MeshUse) -> MeshRow:
-    """Check a mesh; of a visual mesh only its existence."""
+    """Check that a mesh exists and, for a collision mesh, how much of its convex hull it fills."""
     path, name = Path(use.file), Path(use.file).name
     if not path.is_file():
         meant = did_you_mean(path).rstrip(" ")

@@ -27,7 +27,7 @@ MARGIN_M = 0.005  # from the centre of mass to the edge of the support polygon
 
 
 def mount_remarks(robot: RobotFile) -> list[Remark]:
-    """Return remarks about the lidar's mounting and about the ground contact of the base."""
+    """Return remarks if the lidar's mounting, or the ground contact of the base, is doubtful in the URDF."""
     urdf = robot.urdf_text()
     if "base" not in link_names(urdf):
         return []
@@ -64,7 +64,7 @@ def _lidar_remarks(robot: RobotFile, urdf: str) -> Iterator[Remark]:
 
 
 def hidden_links(robot: RobotFile) -> list[tuple[str, tuple[float, float]]]:
-    """Return the links fixed to the base that its lidar sees, with the sector of each in [rad].
+    """Return the links fixed to the base that the robot's lidar sees, each with its sector in [rad].
 
     The arm is not included, because it moves, and neither is a link that encloses the lidar, such as
     its housing.
@@ -78,8 +78,9 @@ def hidden_links(robot: RobotFile) -> list[tuple[str, tuple[float, float]]]:
 
 
 def whole_degrees(sector: tuple[float, float]) -> tuple[int, int]:
-    """Return a sector in [rad] in the format of `masked_deg`: rounded outwards to degrees, its end at most
-    180.
+    """Convert a sector in [rad] to whole degrees, rounded outwards, for the key `masked_deg` of a lidar.
+
+    The end of the sector is at most 180.
     """
     start, end = math.floor(math.degrees(sector[0])), math.ceil(math.degrees(sector[1]))
     return start, end if end <= 180 else end - 360

@@ -27,7 +27,7 @@ _TOOLS = re.compile(r"tool|tcp|grasp|hand|gripper|ee_|_ee|end_effector", re.IGNO
 
 @dataclass(frozen=True)
 class Wheels:
-    """Driven wheels on two sides."""
+    """Driven wheels on the two sides of a base, with their tread and radius, as guessed from a URDF."""
 
     left: tuple[str, ...]
     """Names of the joints."""
@@ -44,7 +44,7 @@ class Wheels:
 
 @dataclass(frozen=True)
 class Outline:
-    """Outline of a robot, guessed from its URDF."""
+    """Main parts of a robot, guessed from its URDF: base, wheels, arm, hand, fingers and sensors."""
 
     root: str
     """The root link, or a link fixed to it that is on the floor."""
@@ -66,12 +66,12 @@ class Outline:
 
     @property
     def frames(self) -> dict[str, str]:
-        """Link of the best candidate for each sensor frame, by its name in a robot's file."""
+        """Name of the most probable link for each sensor, by the sensor's name in a robot's file."""
         return {role: found.link for role, found in self.sensors.items()}
 
 
 def outline_of(urdf_text: str) -> Outline:
-    """Guess the outline of a robot; raise ValueError if the text is not a valid URDF."""
+    """Guess the main parts of a robot from its URDF; raise ValueError if the text is not a valid URDF."""
     tree = LinkTree(urdf_text)
     wheels = _wheels(tree, bodies_of(urdf_text), bool(_SIDEWAYS.search(urdf_text)))
     driving = set() if wheels is None else {*wheels.left, *wheels.right}

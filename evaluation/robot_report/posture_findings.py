@@ -26,7 +26,7 @@ ROUNDING_M = 1e-3
 
 
 class PostureFacts(NamedTuple):
-    """Self-contacts and reach of a named posture, with open fingers."""
+    """Self-contacts of the robot in a named posture with open fingers, and the space that the arm needs."""
 
     name: str
     touching: tuple[tuple[str, str], ...]

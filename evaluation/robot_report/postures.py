@@ -26,7 +26,7 @@ LINK_MARGIN_M = 0.008  # between the arm's own links
 
 
 class HandAim(NamedTuple):
-    """Wanted position of the hand in the base frame, and its direction."""
+    """Wanted position and direction of the hand in the base frame, as the goal of a posture search."""
 
     place: tuple[float, float, float]
     """Position, in [m]."""
@@ -36,7 +36,7 @@ class HandAim(NamedTuple):
     """Rotation about this direction; None: upright, or any if the direction is vertical."""
 
     def poses(self) -> Iterator[Transform]:
-        """Yield base_T_hand (4, 4) for each allowed roll."""
+        """Yield base_T_hand (4, 4) for each roll about the hand's direction that is allowed."""
         x, y, z = self.direction
         is_vertical = abs(z) > VERTICAL_COSINE * math.sqrt(x * x + y * y + z * z)
         rolls = [self.roll_deg or 0.0]
@@ -47,7 +47,7 @@ class HandAim(NamedTuple):
 
 
 class PostureSearch(NamedTuple):
-    """Result of a search for a posture."""
+    """Result of a search for a posture of the arm: the posture, or the contacts that prevent it."""
 
     angles: list[float] | None
     """Joint positions in [deg], or [mm] for prismatic joints; None: no collision-free posture was found."""
@@ -62,8 +62,8 @@ class PostureSearch(NamedTuple):
 def posture_at(robot: RobotFile, aim: HandAim) -> PostureSearch:
     """Search a posture with the hand at the wanted pose and without collisions of the robot with itself.
 
-    Among several postures the one most similar to `home` is chosen; without `home`, the one that stays
-    closest to the base's axis.
+    Among several postures it chooses the posture most similar to `home`; without `home`, the posture in which
+    the arm stays closest to the base's axis.
 
     Raises:
         ValueError: the robot has no arm, or the direction has no length.

@@ -23,7 +23,7 @@ OUT_OF_REACH_M = 0.15  # distance from all random positions of the hand
 
 
 class HandReach:
-    """Reach of the frame `hand`, with the arm free of collisions with itself and the robot.
+    """Positions that the frame `hand` reaches while the arm touches neither itself nor the robot.
 
     Attributes:
         points: (n, 3) positions of the hand in the base frame in [m], of random postures.
@@ -53,8 +53,9 @@ class HandReach:
         return float(self.points[:, 2].min()), float(self.points[:, 2].max())
 
     def reached(self, places: Sequence[tuple[float, float, float]]) -> list[bool]:
-        """Return for each position of a line whether a collision-free posture reaches it, upright and
-        pointing ahead.
+        """Return for each position whether a collision-free posture holds the hand there.
+
+        The hand has to be upright and to point ahead.
 
         Args:
             places: positions of the hand in the base frame, in [m], each near the one before.
@@ -79,9 +80,9 @@ class HandReach:
 
 
 def reach_of(robot: RobotFile, arm: ArmModel, seed: int = 0) -> HandReach | None:
-    """Return what the hand reaches above the floor in random postures of the arm.
+    """Return the positions of the hand above the floor in random postures without collision.
 
-    None if no posture is free of collisions with the hand above the floor.
+    None if there is no such posture.
     """
     free = CollisionModel(arm)
     rng = np.random.default_rng(seed)

@@ -13,7 +13,7 @@ _SHOWN = 4
 
 
 class Remark(NamedTuple):
-    """A doubtful property that a person should know of, but that is not an error."""
+    """Doubtful property of a robot's file or URDF that a person should know but that is not an error."""
 
     subject: str
     """Subject such as `link 'base'`; empty: the robot."""
@@ -27,7 +27,7 @@ class Remark(NamedTuple):
 
 
 def grouped(remarks: Iterable[Remark]) -> list[str]:
-    """Return a line for each kind of remark: the first one, and the other subjects it applies to."""
+    """Return a line for each kind of remark: its first remark, and the other subjects with the same one."""
     kinds: dict[tuple[str, str], list[Remark]] = {}
     for remark in remarks:
         kinds.setdefault((remark.subject.split(" ")[0], _DIFFERS.sub("", remark.what)), []).append(remark)
@@ -35,9 +35,7 @@ def grouped(remarks: Iterable[Remark]) -> list[str]:
 
 
 def grouped_findings(findings: Sequence[Finding]) -> list[str]:
-    """Return a line for each kind of finding: the first one, and the other lines of the file it applies
-    to.
-    """
+    """Return a line for each kind of finding: its first finding, and the numbers of other lines with it."""
     kinds: dict[tuple[str, str], list[Finding]] = {}
     for finding in findings:
         kinds.setdefault((finding.file, _DIFFERS.sub("", finding.message)), []).append(finding)

@@ -30,7 +30,7 @@ LABEL_DISTANCE_M = 0.3  # from the camera, when it reads labels
 
 @dataclass(frozen=True)
 class LinkRow:
-    """Mass of a link, with messages about implausible values."""
+    """Mass of a link of the URDF, with messages about implausible mass or inertia."""
 
     name: str
     mass_kg: float | None
@@ -50,7 +50,7 @@ class CameraFacts:
 
 @dataclass(frozen=True)
 class Contents:
-    """Content of a robot's URDF."""
+    """Joints, links, meshes and remarks of a robot's URDF, for the report on the robot."""
 
     joints: Sequence[JointFacts]
     links: Sequence[LinkRow]
@@ -68,7 +68,7 @@ class Contents:
 
 @dataclass(frozen=True)
 class RobotReport:
-    """Report on a robot, made from its files."""
+    """Report on a robot from its file and URDF: its content, reach, self-contacts, and remarks."""
 
     contents: Contents
     arm: Sequence[str]
@@ -82,7 +82,7 @@ class RobotReport:
 
     @property
     def warnings(self) -> list[str]:
-        """All remarks as text."""
+        """All remarks of the report, each as a line of text."""
         return [str(remark) for remark in self.remarks]
 
     def figures(self) -> dict[str, Any]:

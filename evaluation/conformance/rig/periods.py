@@ -116,7 +116,8 @@ def move_joints(backend: Backend, arm: Arm, goal: FloatArray, speed: float = CHE
 def all_readings(backend: Backend) -> dict[str, FloatArray]:
     """Return all readings of all capabilities in this period, each as numbers (n,) in its units.
 
-    A reading is named by capability and method, such as "arm joints"."""
+    A reading is named by capability and method, such as "arm joints".
+    """
     result: dict[str, FloatArray] = {}
     for part in backend.capabilities():
         for method, reading in part.READINGS.items():

@@ -19,7 +19,7 @@ def is_packed(path: Path) -> bool:
 
 
 def unpacked_file(packed: Path, folder: Path) -> tuple[Path, str]:
-    """Unpack a file into a folder, up to the first damage.
+    """Unpack a compressed file into a folder; from a damaged file, unpack the part before the damage.
 
     Args:
         packed: file such as `drive_0.db3.zstd`.

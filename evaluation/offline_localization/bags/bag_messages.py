@@ -18,11 +18,11 @@ ALLOWED_TEXT = "allowed: rosbag2 (SQLite, MCAP; also with .zstd), rosbag1"
 
 
 class BagError(Exception):
-    """Error: a bag cannot be read; the message gives the reason."""
+    """Error for a ROS bag that cannot be read; the message gives the reason."""
 
 
 class BagMessage(NamedTuple):
-    """A decoded message of a bag, with its topic and times."""
+    """Decoded message of a ROS bag, with its topic, type and time of recording."""
 
     topic: str
     kind: str
@@ -45,10 +45,10 @@ class Bag(NamedTuple):
 
 
 def read_bag(path: Path, kinds: Collection[str]) -> Bag:
-    """Read the messages of some types.
+    """Read all messages of the given types from a ROS bag.
 
-    A bag without an index, without its end or without metadata.yaml is read from its storage files, up
-    to the first damage.
+    The messages of a damaged bag, without an index, its end or metadata.yaml, are read from its storage
+    files, up to the first damage.
 
     Args:
         path: a folder of rosbag2, or a .mcap, .db3 or .bag file, optionally compressed (.zstd).
@@ -73,7 +73,7 @@ def read_bag(path: Path, kinds: Collection[str]) -> Bag:
 
 
 def has_bag_suffix(path: Path) -> bool:
-    """Return whether a file's name is that of a bag's storage file, packed or not."""
+    """Return whether a file has the name of a ROS bag's storage file, compressed or not."""
     return (path.with_suffix("") if is_packed(path) else path).suffix in STORAGE_SUFFIXES
 
 

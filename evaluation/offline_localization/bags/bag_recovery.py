@@ -15,7 +15,7 @@ CHUNK, CONNECTION, MESSAGE = 5, 7, 2  # rosbag1, the header field `op`
 
 
 class RawMessage(NamedTuple):
-    """A message of a bag before decoding."""
+    """Message of a ROS bag as serialized bytes, with its topic, type and time of recording."""
 
     topic: str
     kind: str
@@ -28,7 +28,7 @@ class RawMessage(NamedTuple):
 
 
 def recovered(path: Path) -> Iterator[RawMessage]:
-    """Yield the messages of a storage file from its start until the first damage.
+    """Yield the messages of a damaged bag's storage file, from its start until the first damage.
 
     Raises:
         Exception: the error that the format's reader raises at the damage.

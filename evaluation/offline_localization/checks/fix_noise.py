@@ -23,7 +23,7 @@ MAX_RATIO = 3.0  # between stated and observed error: beyond it the stated one i
 
 
 class SupposedNoise(NamedTuple):
-    """Assumed noise of an unknown vehicle."""
+    """Noise to assume for a vehicle without a robot's file, and the log of its drive."""
 
     noise: FieldNoise
     log: DriveLog
@@ -32,7 +32,7 @@ class SupposedNoise(NamedTuple):
 
 
 def suppose_noise(log: DriveLog, given: FieldNoise) -> SupposedNoise:
-    """Estimate the receiver's errors if a log states none, or none that are credible.
+    """Estimate a receiver's errors if the accuracies stated in a log are missing or not credible.
 
     Args:
         log: log with all fixes.
@@ -60,7 +60,9 @@ def suppose_noise(log: DriveLog, given: FieldNoise) -> SupposedNoise:
 
 
 def white_error(log: DriveLog, period: float) -> float | None:
-    """Fit windows of the odometry's track to the fixes (Umeyama, 1991), and return the remaining error.
+    """Return the standard deviation of the fixes about the track by odometry.
+
+    In each window of time the track is fitted to the fixes (Umeyama, 1991), so that slow errors cancel.
 
     Args:
         log: log with fixes about `period` apart.
@@ -75,7 +77,7 @@ def white_error(log: DriveLog, period: float) -> float | None:
 
 
 def odometry_track(log: DriveLog) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the track of a drive by odometry alone beside its fixes.
+    """Return positions by odometry alone at the times of a drive's fixes, and the fixes for comparison.
 
     Args:
         log: recorded readings.

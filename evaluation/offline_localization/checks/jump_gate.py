@@ -21,11 +21,12 @@ RAYLEIGH_MEDIAN = math.sqrt(2.0 * math.log(2.0))  # median of a 2D length, in si
 
 
 class JumpGate:
-    """Comparison of each fix with the latest good fixes, propagated by odometry.
+    """Filter that rejects fixes of a satellite receiver that jump.
 
-    Slow errors of the fixes cancel in this difference, so jumps that are small against them are
-    visible. All fixes take part, including those that are too frequent for the localizer. While the
-    heading is unknown, only the length of the motion is compared: no vehicle is faster than its wheels.
+    Each fix is compared with the latest good fixes, moved on by odometry. Slow errors of the fixes cancel in
+    the difference, so that jumps smaller than these errors are detected. All fixes take part, including those
+    that are too frequent for the localizer. While the heading is unknown, only the length of the motion is
+    compared: no vehicle is faster than its wheels.
     """
 
     def __init__(self, sigma: float) -> None:

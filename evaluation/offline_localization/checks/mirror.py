@@ -21,7 +21,9 @@ MIRROR_TEXT = (
 
 
 def check_mirror(log: DriveLog, period: float) -> str:
-    """Return a message if the fixes are mirrored; empty if they are not, or if the track is too straight.
+    """Return a message if the fixes of a log are a mirror image of its odometry; otherwise an empty text.
+
+    The text is also empty if the track is too straight to decide.
 
     Args:
         log: log with all fixes.

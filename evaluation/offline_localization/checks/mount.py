@@ -21,7 +21,7 @@ AXIS_NAMES = "xyz"
 
 
 class Mount(NamedTuple):
-    """Estimated mounting of an IMU."""
+    """Estimated orientation of an IMU on the base."""
 
     base_R_imu: FloatArray
     """(3, 3) rotation from the IMU's to the base's frame."""
@@ -32,7 +32,7 @@ class Mount(NamedTuple):
 
 
 def check_mount(log: DriveLog) -> Mount:
-    """Compare the IMU's axes with gravity and with the turns of the wheels' odometry."""
+    """Estimate how an IMU is mounted, from gravity and from the turns measured by the wheels."""
     force = np.nanmedian(log.accelerations, axis=0)
     alike = _correlations(log)
     up, why = _up(force, alike)
@@ -46,16 +46,21 @@ def check_mount(log: DriveLog) -> Mount:
 
 
 def mounted(log: DriveLog, base_R_imu: FloatArray) -> DriveLog:
-    """Return a log with the IMU's readings rotated into the base's axes by the rotation base_R_imu (3, 3),
-    without unit.
+    """Return a copy of a log with the IMU's readings rotated into the base's axes.
+
+    Args:
+        log: log with readings in the IMU's axes.
+        base_R_imu: (3, 3) rotation from the IMU's to the base's axes.
     """
     return log._replace(rates=log.rates @ base_R_imu.T, accelerations=log.accelerations @ base_R_imu.T)
 
 
 def axes_rotation(axes: str) -> FloatArray | None:
-    """Return the rotation base_R_imu (3, 3), without unit, given axes such as `z,-x,y`.
+    """Return the rotation base_R_imu (3, 3) of an IMU whose axes are given as text; None for invalid axes.
 
-    None if they are not a right-handed frame.
+    Args:
+        axes: the IMU's axes that point forward, left and up, such as `z,-x,y`; they must form a right-handed
+            frame.
     """
     rows = []
     for axis in axes.split(","):

@@ -42,7 +42,7 @@ RADII_M = (0.02, 0.7)  # of wheels
 
 
 def check_readings(log: DriveLog) -> tuple[DriveLog, list[str]]:
-    """Remove repeated fixes, and report sensors that are frozen, reversed or in other units.
+    """Remove repeated fixes from a log, and report sensors that are frozen, reversed or in wrong units.
 
     Args:
         log: log with all fixes and with its IMU in the base's axes.
@@ -189,15 +189,16 @@ def _scaled(log: DriveLog) -> list[str]:
 
 
 def way_scale(log: DriveLog) -> float | None:
-    """Return the distance by fixes per metre of the wheels (Umeyama, 1991, eq. 42, in windows).
+    """Return the ratio of the distance by fixes to the distance by the wheels, to detect wrong units.
 
-    Mirror images are fitted as well, so that exchanged axes do not hide a wrong unit.
+    It is fitted in windows of time (Umeyama, 1991, eq. 42). Mirror images are fitted as well, so that
+    exchanged axes do not hide a wrong unit.
 
     Args:
         log: log with all fixes.
 
     Returns:
-        Median over all windows; None if no window shows it.
+        Median of the ratio over all windows; None if no window has enough fixes and motion.
     """
     times, ways, fixes = odometry_track(log)
     a, b = ways @ np.array([1.0, 1.0j]), fixes @ np.array([1.0, 1.0j])
@@ -218,7 +219,10 @@ def _window_scale(ways: NDArray[np.complex128], fixes: NDArray[np.complex128]) -
 
 
 def spans(rows: BoolArray) -> list[tuple[int, int]]:
-    """Return the first row, and the row after the last, of each run of True in a mask (n,)."""
+    """Return begin and end of each uninterrupted sequence of True in a mask (n,), as row indices.
+
+    The end is the row after the last True.
+    """
     ends = np.diff(np.concatenate([[False], rows, [False]]).astype(int))
     return list(zip(np.flatnonzero(ends > 0).tolist(), np.flatnonzero(ends < 0).tolist(), strict=True))
 

@@ -11,11 +11,10 @@ WINDOW_S = 30.0  # within which roll and pitch of a vehicle return to their mean
 
 
 def without_tilt_drift(log: DriveLog) -> DriveLog:
-    """Subtract from the x and y gyros their moving average over half a minute.
+    """Subtract the bias of the x and y gyros, estimated as their moving average over half a minute.
 
-    Odometry estimates these biases only at a standstill. For a vehicle that never stops, the computed
-    attitude would tip over within minutes. No vehicle keeps rolling to one side, so the average is the
-    bias.
+    Odometry estimates gyro biases only at a standstill; for a vehicle that never stops, the computed roll and
+    pitch would drift without limit. No vehicle keeps rolling to one side, so the average is the bias.
     """
     rates = log.rates.copy()
     for axis in (0, 1):

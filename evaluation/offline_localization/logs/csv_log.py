@@ -38,7 +38,7 @@ def read_csv_log(path: Path, columns: str | None = None) -> DriveLog:
         columns: definition `QUANTITY=COLUMN[:UNIT],...` of the columns, if the file has no header.
 
     Raises:
-        FileError: header or table have faults; lists all of them.
+        FileError: header or table have faults; it lists all faults.
     """
     text = decode_text(read_regular_file(path, MAX_BYTES).removeprefix(BYTE_ORDER_MARK), str(path))
     lines = text.splitlines()

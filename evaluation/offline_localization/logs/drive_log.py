@@ -13,7 +13,7 @@ MIN_PERIOD_SHARE = 0.8  # of a receiver's period: fixes are not exactly periodic
 
 
 class BeaconLog(NamedTuple):
-    """Recorded ranges to radio beacons."""
+    """Recorded ranges to radio beacons, with the beacons' positions and the errors of the ranges."""
 
     errors: BeaconErrors
     """Positions of the beacons, and the errors of their ranges."""
@@ -22,9 +22,9 @@ class BeaconLog(NamedTuple):
 
 
 class DriveLog(NamedTuple):
-    """Sensor readings in order of time; NaN where a row has no new reading.
+    """Log of a drive: sensor readings in order of time, one row each; NaN where a row has no new reading.
 
-    World is x east, y north; base is x forward, y left, z up.
+    The world frame has x east, y north; the base frame has x forward, y left, z up.
     """
 
     times: FloatArray
@@ -69,8 +69,9 @@ class DriveLog(NamedTuple):
         return self._replace(fixes=fixes)
 
     def one_row_a_time(self) -> DriveLog:
-        """Return the log with rows of equal time merged: the latest of each reading, and the sum of the
-        travel.
+        """Return the log with rows of equal time merged.
+
+        A merged row has the latest value of each reading, and the sum of the wheels' travel.
         """
         if (np.diff(self.times) > 0.0).all():
             return self

@@ -48,7 +48,7 @@ since the previous row.
 
 
 class Column(FileModel):
-    """A column of the table."""
+    """Column of a log's table: its title, and how to convert its numbers to SI units."""
 
     unit: str
     """Unit of the numbers: SI or a common other unit, see docs/how_to/localize.md."""
@@ -69,7 +69,10 @@ class LogStart(FileModel):
 
 
 class LogHeader(FileModel):
-    """Header at the beginning of a log, between two lines `---` before the table."""
+    """Header, in YAML, of a log in CSV: its columns, start pose and sensors.
+
+    It is between two lines `---` before the table.
+    """
 
     format: Literal["handcart-log/1"]
     columns: Annotated[dict[str, Column], Field(min_length=2)]
@@ -90,5 +93,5 @@ class LogHeader(FileModel):
 
     @property
     def quantities(self) -> dict[str, tuple[str, ...]]:
-        """`COLUMN_QUANTITIES`, and a range to each beacon."""
+        """All quantities that a column may have, each with its kinds of unit: also a range to each beacon."""
         return dict.fromkeys(self.range_columns, ("length",)) | COLUMN_QUANTITIES

@@ -26,7 +26,7 @@ DAY_S = 86_400.0
 
 
 def with_nmea(log: DriveLog, path: Path) -> DriveLog:
-    """Return a log with the fixes of a file of NMEA 0183 sentences (GGA, GST) instead of its own.
+    """Return a copy of a log whose fixes are replaced by those in a file of NMEA 0183 sentences (GGA, GST).
 
     The receiver's clock is UTC. If the log's times are seconds since 1970 or of the day, they are taken
     as UTC too; otherwise the first fix is assumed to coincide with the first row. Damaged sentences are

@@ -28,10 +28,10 @@ def draft_text(
     left_out: Mapping[str, str] | None = None,
     hidden: Mapping[str, tuple[int, int]] | None = None,
 ) -> str:
-    """Return the text of a robot's file.
+    """Return the text of a draft of a robot's file, with values guessed from the robot's URDF.
 
     Args:
-        outline: outline of the robot.
+        outline: wheels, arm, hand and sensors of the robot.
         urdf_text: the robot's URDF.
         urdf: name of the URDF in the file.
         left_out: omitted sections with the reason, which is written as a comment.

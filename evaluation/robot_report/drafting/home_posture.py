@@ -25,7 +25,7 @@ POSTURE_DIGITS = 1  # of a posture in the draft, in [deg] or [mm]
 
 
 class Home(NamedTuple):
-    """Posture of the arm for driving, and the space that the robot needs in it."""
+    """Posture of the arm for driving, and the radius of the robot in this posture."""
 
     posture: Sequence[float]
     """Joint positions in [deg], or [mm] for prismatic joints."""
@@ -42,7 +42,7 @@ class Home(NamedTuple):
 
 
 def home_of(urdf_text: str, base: str, hand: str, joints: Sequence[JointFacts], units: JointUnits) -> Home:
-    """Search a posture for driving.
+    """Search a posture of the arm for driving: close to the base's axis and free of collisions.
 
     Args:
         urdf_text: a valid URDF.
@@ -81,7 +81,7 @@ def radius_of(urdf_text: str, base: str) -> float:
 
 
 def middle_of(joint: JointFacts) -> float:
-    """Return zero if the limits allow it, otherwise their midpoint, in [rad] or [m]."""
+    """Return the middle position of a joint, in [rad] or [m]: 0 if within its limits, otherwise their mean."""
     if joint.kind == "continuous" or joint.lower is None or joint.upper is None:
         return 0.0
     return 0.0 if joint.lower <= 0.0 <= joint.upper else 0.5 * (joint.lower + joint.upper)

@@ -16,7 +16,9 @@ from .ros_section import MESSAGE_KINDS, chosen, ros_section
 
 
 def with_air(text: str, air: AirDescription, outline: Outline, srdf: str) -> str:
-    """Return a draft extended by published data: sensors as measured, the SRDF, its postures, the topics.
+    """Add the data that a running robot publishes to a draft of its file.
+
+    These are measured properties of sensors, the SRDF and its postures, and the ROS topics.
 
     Args:
         text: draft by the URDF alone.

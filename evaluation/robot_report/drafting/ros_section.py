@@ -35,7 +35,7 @@ CONTROLLER_KINDS = ("trajectory_msgs/JointTrajectory", "std_msgs/Float64MultiArr
 def chosen(key: str, topics: Sequence[str]) -> tuple[str, tuple[str, ...]]:
     """Return the topic whose name fits a key of the section `ros2` best, and the other topics.
 
-    "" and nothing else if there are no topics.
+    Without topics, return "" and an empty tuple.
     """
     if not topics:
         return "", ()
@@ -50,7 +50,10 @@ def chosen(key: str, topics: Sequence[str]) -> tuple[str, tuple[str, ...]]:
 
 
 def ros_section(air: AirDescription, outline: Outline) -> list[str]:
-    """Return the lines of the section `ros2`; other candidates are comments."""
+    """Return the lines of the section `ros2` of a robot's file, with the topics that fit best.
+
+    Other candidate topics are listed in comments.
+    """
     lines = [
         "ros2:     # by the topics on the air; next: handcart check --ros2, then handcart bringup --ros2"
     ]
