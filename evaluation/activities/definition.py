@@ -30,7 +30,7 @@ class NoBddl(InputError):
 
 @dataclass(frozen=True)
 class Definition:
-    """BEHAVIOR-1K activity: its things, initial state and goal, and the BDDL text they were read from."""
+    """Things, initial state and goal of a BEHAVIOR-1K activity, and the BDDL text they were read from."""
 
     name: str
     instance: int

@@ -19,7 +19,7 @@ from .thing_table import CarriedEntry
 
 @dataclass(frozen=True)
 class Room:
-    """Room of an activity: furniture along two walls, with the pose of each thing at first and at the end."""
+    """Room of an activity with furniture along two walls, and the first and last pose of each thing."""
 
     width: float
     """Width of the room along x, in [m]; its depth along y is `DEPTH_M`."""

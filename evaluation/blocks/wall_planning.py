@@ -66,7 +66,7 @@ class Trip(NamedTuple):
 
 
 class WallPlan(NamedTuple):
-    """Plan by which a robot builds a wall of blocks: their order, the base's stops, and keepout zones."""
+    """Plan by which a robot builds a wall, with the blocks' order, the base's stops and keepout zones."""
 
     drawing: Drawing
     blocks: tuple[DrawnBlock, ...]

@@ -52,7 +52,7 @@ class UnmappedBox:
 
 @dataclass(frozen=True)
 class Library:
-    """Generated library: walls, shelves, books and obstacles of its world, and the robot's map."""
+    """Generated library with walls, shelves, books and obstacles of its world, and the robot's map."""
 
     seed: int
     walls: tuple[tuple[float, float, float, float], ...]

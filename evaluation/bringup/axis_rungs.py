@@ -197,7 +197,7 @@ def _to_limit(site: Site, jogger: Jogger, axis: str, limit: Limit, words: Callab
 
 
 class FreeWay:
-    """Collision test of single joint motions, by the URDF: does the arm touch the robot or the floor?
+    """Test, by the URDF, whether the arm would touch robot or floor in the motion of a single joint.
 
     The fingers are open.
     """

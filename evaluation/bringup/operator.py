@@ -61,7 +61,7 @@ class Operator(ABC):
 
 
 class BenchOperator(Operator):
-    """Automatic operator of a bench (simulated drives): confirms everything, and measures the true values."""
+    """Automatic operator of a bench (simulated drives) that confirms everything and measures true values."""
 
     def __init__(self, say: Callable[[str], None] = lambda _: None) -> None:
         self._say = say

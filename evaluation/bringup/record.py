@@ -15,7 +15,7 @@ Answer = bool | float
 
 
 class RungRecord(FileModel):
-    """Record of one run of a bring-up step: its result, measured values and answers of the operator."""
+    """Record of one run of a bring-up step, with result, measured values and the operator's answers."""
 
     format: Literal["handcart-bringup/1"] = "handcart-bringup/1"
     rung: str

@@ -28,7 +28,7 @@ from .operator import Operator
 
 @dataclass
 class RobotSite(ABC):
-    """Base class of what bring-up steps run on: a real robot, or a bench (with simulated drives)."""
+    """Base class of real robots and benches (with simulated drives), on which bring-up steps run."""
 
     name: str
     """Name of the robot as the user gave it."""

@@ -124,7 +124,7 @@ def _quiet() -> Iterator[None]:
 
 @dataclass
 class SubmittedTrial:
-    """Trial that was submitted to the scheduler: its time of submission and its pending results."""
+    """Trial that was submitted to the scheduler, with time of submission and pending results."""
 
     since: float
     futures: list[Future[bytes]] = field(default_factory=list)

@@ -25,7 +25,7 @@ _OF_A_SENSOR = ("stale sensor", "NaN")
 
 
 class PlannedFault(FileModel):
-    """Fault to inject, and its time: once (`at_s`), periodically (`every_s`) or at random (`rate_per_s`)."""
+    """Fault to inject once (`at_s`), periodically (`every_s`) or at random times (`rate_per_s`)."""
 
     kind: Literal[
         "exception", "refused command", "stuck actuator", "slip", "stale sensor", "NaN", "lidar faults"
@@ -76,7 +76,7 @@ class PlannedFault(FileModel):
 
 
 class FaultPlan(FileModel):
-    """Content of a faults file: the faults to inject into each trial of a campaign."""
+    """Content of a faults file, with the faults to inject into each trial of a campaign."""
 
     format: Literal["handcart-faults/1"]
     faults: Annotated[list[PlannedFault], Field(min_length=1)]

@@ -69,7 +69,7 @@ class Varied(FileModel):
 
     @property
     def name(self) -> str:
-        """Name of the number in reports: file and key, such as `robot errors.slip`."""
+        """Name of the number in reports, from file and key, such as `robot errors.slip`."""
         return f"{self.file} {self.key}"
 
     @property
@@ -101,7 +101,7 @@ class Varied(FileModel):
 
 
 class Variation(FileModel):
-    """Content of a variations file: numbers that vary from trial to trial, and the design of experiments."""
+    """Content of a variations file, with numbers that vary from trial to trial, and their design."""
 
     format: Literal["handcart-vary/1"]
     design: Literal["grid", "random", "latin_hypercube"] = "random"

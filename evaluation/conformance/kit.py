@@ -40,7 +40,7 @@ MAX_JOB_CPU_S = 600.0  # [s] of CPU time that a check or a liar gets
 
 @dataclass(frozen=True)
 class KitSetting:
-    """Settings of the conformance kit, which tests a backend with a robot: its parts and their extent."""
+    """Settings of the conformance kit, which tests a backend with a robot, such as selected parts."""
 
     backend: str
     robot: str = "librarian"

@@ -18,7 +18,7 @@ SIGNIFICANCE_LEVEL = 0.05  # probability by chance below which success rates cou
 
 
 class Ran(NamedTuple):
-    """Result of running a task once on a backend: its outcome, and false outcomes of its actions."""
+    """Result of running a task once on a backend, with false outcomes of its actions."""
 
     task: str
     backend: str
@@ -33,7 +33,7 @@ class Ran(NamedTuple):
 
     @property
     def ends(self) -> str:
-        """Text that says how the run ended: outcome, situation and reason."""
+        """Text of how the run ended, with outcome, situation and reason."""
         why = f" ({self.reason})" if self.reason else ""
         return f"{self.outcome} in {self.situation}{why}"
 

@@ -18,7 +18,7 @@ from .door_truth import door_of, hinge_errors
 
 
 class DoorSurvey(FiguresSurvey):
-    """Evaluation of door tasks: true errors of found hinges, and the largest force on the hand at a door."""
+    """Evaluation of door tasks by the errors of found hinges and the largest true force on the hand."""
 
     name = "doors"
     effects = DOOR_EFFECTS

@@ -16,7 +16,7 @@ from handcart.robotics.manipulation.doors.door_joint import DoorJoint
 
 
 class HingeErrors(NamedTuple):
-    """Errors of a door's measured hinge: position and direction of its axis, and the door's radius."""
+    """Errors of a door's measured hinge in position and direction of the axis, and in the radius."""
 
     place_mm: float
     """Distance between true and found axis at the height of the handle, in the base frame."""

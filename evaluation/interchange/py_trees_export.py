@@ -20,7 +20,7 @@ Carried = Callable[[str, Mapping[str, Any]], tuple[bool, str]]
 
 @dataclass
 class TreeMemory:
-    """Memory that the behaviours of a task's tree share: the present situation, and Fails of each action."""
+    """Present situation and Fails of each action, which all behaviours of a task's tree share."""
 
     situation: str
     fails: dict[int, int] = field(default_factory=dict)

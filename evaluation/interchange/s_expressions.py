@@ -17,7 +17,7 @@ _TOKEN = re.compile(r";[^\n]*|[()]|[^\s();]+")
 
 @dataclass
 class Expression:
-    """S-expression, as in PDDL: a word, or a list of expressions, with its place in the file."""
+    """S-expression, as in PDDL, which is a word or a list of expressions, with its place in the file."""
 
     line: int
     column: int

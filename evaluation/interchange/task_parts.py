@@ -18,7 +18,7 @@ FLOW_KEYS = ("do", "from", "to", "then", "on_fail", "attempts", "with")
 
 @dataclass(frozen=True)
 class TaskParts:
-    """Content of a task's file as parts that other formats express: situations, actions and other keys."""
+    """Content of a task's file, split into situations, actions and other keys for other formats."""
 
     head: Mapping[str, Any]
     """All keys but `situations` and `actions`."""

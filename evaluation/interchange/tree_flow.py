@@ -50,7 +50,7 @@ Compile = Callable[[BehaviourNode, str, str], str]
 
 
 class TreeFlow:
-    """Translator of a behaviour tree into a draft of a task: its leaves become actions between situations.
+    """Translator of a behaviour tree into a draft of a task, in which leaves become actions.
 
     A situation is a point in the tree between two leaves. An action's `on_fail` leads to the leaf that the
     tree ticks next after a failure, which is allowed because a Fail changes no facts.

@@ -119,7 +119,7 @@ def _modified(survey: Survey, claim: Claim) -> list[str]:
 
 
 class ArrivalSurvey(FiguresSurvey):
-    """Evaluation of how exactly the base arrives at places: the largest true distance and turn in a run."""
+    """Evaluation of how exactly the base arrives at places, with the largest true errors of a run."""
 
     name = "arrival"
     effects: ClassVar = {

@@ -13,7 +13,7 @@ from .survey import Survey, SurveyedRun
 
 
 class LocalisationSurvey(Survey):
-    """Evaluation of localization: RMS and maximum, over all periods, of the base's pose error."""
+    """Evaluation of localization by RMS and maximum of the base's pose error over all periods."""
 
     name = "localisation"
     noted = tuple[int, float, float, float]

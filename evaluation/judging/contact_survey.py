@@ -180,7 +180,7 @@ def _of(contacts: list[Touched], part: str) -> int:
 
 
 class RobotLinks:
-    """Assignment of the robot's bodies in contacts to its parts: base, arm, hand or held object."""
+    """Assignment of the robot's bodies in contacts to base, arm, hand or held object."""
 
     def __init__(self, arm: ArmModel | None) -> None:
         """Sort the links of an arm; None for a robot without an arm."""

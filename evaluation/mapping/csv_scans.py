@@ -50,7 +50,7 @@ class LidarHeader(FileModel):
 
 
 class ScansHeader(FileModel):
-    """Header, in YAML, of a log of lidar scans in CSV: the file's format and the lidar."""
+    """Header, in YAML, of a log of lidar scans in CSV, with the file's format and the lidar."""
 
     format: Literal["handcart-scans/1"]
     """Format of the file, with its version."""

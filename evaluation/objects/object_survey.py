@@ -20,7 +20,7 @@ from .object_effects import OBJECT_EFFECTS, SPOT_MM, sighting_errors, thing_of, 
 
 
 class ObjectSurvey(FiguresSurvey):
-    """Evaluation of object tasks: true errors of sightings and of placed objects, and fallen objects."""
+    """Evaluation of object tasks by the errors of sightings and placed objects, and by fallen objects."""
 
     name = "objects"
     effects = OBJECT_EFFECTS

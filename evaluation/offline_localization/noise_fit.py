@@ -28,7 +28,7 @@ class Knob(NamedTuple):
 
 
 class Fitted(NamedTuple):
-    """Result of fitting a vehicle's noise to a log: the noise for which the fixes are most likely."""
+    """Result of fitting a vehicle's noise to a log, the noise for which the fixes are most likely."""
 
     noise: FieldNoise
     before: float

@@ -52,7 +52,7 @@ class ReplayedFix(NamedTuple):
 
 
 class Replayed(NamedTuple):
-    """Result of running a localizer on a log: estimated poses, reference poses and accepted fixes."""
+    """Result of running a localizer on a log, with estimated poses, reference poses and fixes."""
 
     times: FloatArray
     """(k,) in [s]."""
@@ -76,7 +76,7 @@ class Replayed(NamedTuple):
 
     @property
     def errors(self) -> FloatArray:
-        """Errors (k, 3), estimate minus reference pose: x, y in the world in [m], heading in [rad]."""
+        """Errors (k, 3), estimate minus reference pose, of x, y in the world in [m] and heading in [rad]."""
         away = self.poses - self.truth
         away[:, 2] = (away[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
         return away

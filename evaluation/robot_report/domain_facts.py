@@ -15,7 +15,7 @@ class FactTable(NamedTuple):
 
 
 class DomainFacts(NamedTuple):
-    """Facts that an application domain reports on a robot: what the robot can do there, and what it lacks."""
+    """Facts that an application domain reports on a robot, such as reach for its tasks and lacking parts."""
 
     remarks: Sequence[str] = ()
     """Things that the robot lacks, each with the part of the domain that needs it."""

@@ -14,7 +14,7 @@ MIN_CONVEX_SHARE = 0.9  # of its convex hull that a convex mesh fills
 
 @dataclass(frozen=True)
 class MeshRow:
-    """Result of checking one mesh of a URDF: whether its file exists, and how convex it is."""
+    """Result of checking whether one mesh of a URDF exists, and how convex it is."""
 
     link: str
     kind: str

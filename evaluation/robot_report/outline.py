@@ -44,7 +44,7 @@ class Wheels:
 
 @dataclass(frozen=True)
 class Outline:
-    """Main parts of a robot, guessed from its URDF: base, wheels, arm, hand, fingers and sensors."""
+    """Main parts of a robot (base, wheels, arm, hand, fingers and sensors), guessed from its URDF."""
 
     root: str
     """The root link, or a link fixed to it that is on the floor."""

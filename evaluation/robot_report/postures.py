@@ -47,7 +47,7 @@ class HandAim(NamedTuple):
 
 
 class PostureSearch(NamedTuple):
-    """Result of a search for a posture of the arm: the posture, or the contacts that prevent it."""
+    """Result of a search for a posture of the arm, with the contacts that may prevent it."""
 
     angles: list[float] | None
     """Joint positions in [deg], or [mm] for prismatic joints; None: no collision-free posture was found."""

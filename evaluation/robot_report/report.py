@@ -68,7 +68,7 @@ class Contents:
 
 @dataclass(frozen=True)
 class RobotReport:
-    """Report on a robot from its file and URDF: its content, reach, self-contacts, and remarks."""
+    """Report on a robot from its file and URDF, with content, reach, self-contacts and remarks."""
 
     contents: Contents
     arm: Sequence[str]
@@ -98,10 +98,10 @@ class RobotReport:
 
 
 def contents_of(whole: RobotUrdf) -> Contents:
-    """Check the content of a URDF.
+    """Check joints, links and meshes of a URDF; return them with remarks about doubtful properties.
 
     Raises:
-        ValueError: a part of it cannot be read.
+        ValueError: a part of the URDF cannot be read.
     """
     bodies = bodies_of(whole.text)
     joints = joints_of(whole.text)
@@ -123,7 +123,7 @@ def contents_of(whole: RobotUrdf) -> Contents:
 
 
 def report_of(robot: RobotFile, tried: bool = True) -> RobotReport:
-    """Check a robot whose file is valid.
+    """Check a robot whose file is valid, and return the report.
 
     Args:
         robot: the robot's file.

@@ -52,7 +52,7 @@ def touching_words(pair: Pair, share: float) -> str:
 
 
 def self_contact(arm: ArmModel, seed: int = 0) -> SelfContact:
-    """Try `POSTURE_SAMPLES` random postures, uniformly distributed within the joints' limits."""
+    """Find the robot's self-contacts in `POSTURE_SAMPLES` random postures within the joints' limits."""
     checked = CollisionModel(arm)
     drawn = np.random.default_rng(seed).uniform(arm.lower, arm.upper, (POSTURE_SAMPLES, arm.dof))
     touching: Counter[Pair] = Counter()

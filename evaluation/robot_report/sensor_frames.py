@@ -23,7 +23,7 @@ _MOUNT = re.compile(r"mount|screw|bracket|plate|box|support", re.IGNORECASE)
 
 
 class SensorFrame(NamedTuple):
-    """A link that may be a sensor's frame."""
+    """Link of a URDF that is probably the frame of a sensor."""
 
     link: str
     between: tuple[str, ...]
@@ -34,8 +34,8 @@ def sensor_frames(tree: LinkTree, base: str, hand: str | None) -> dict[str, Sens
     """Return the best link for each sensor; sensors without a candidate are omitted.
 
     Among cameras, those fixed to the hand are preferred, then optical frames, then colour frames. Other
-    sensors are expected on the base; a lidar must be level and above the floor, which virtual frames
-    often are not.
+    sensors are expected on the base. A lidar must be level and above the floor, which excludes most links
+    that are only auxiliary frames.
 
     Args:
         tree: links of the robot.

@@ -20,7 +20,10 @@ MM_PER_M = 1e3
 
 
 def size_remarks(bodies: Sequence[Shape], meshes: Sequence[MeshUse], whole: RobotUrdf) -> Iterator[Remark]:
-    """Yield remarks about bodies longer than some metres and mesh files beyond some megabytes, each once."""
+    """Yield remarks about too large bodies and mesh files.
+
+    Limits are `LARGEST_BODY_M` for the length of a body and `LARGEST_MESH_MB` for a file.
+    """
     for body in bodies:
         size = float(np.ptp(corners_of(body), axis=0).max())
         if size > LARGEST_BODY_M:

@@ -14,7 +14,7 @@ from .report import Contents, contents_of
 
 @dataclass(frozen=True)
 class UrdfReport:
-    """Content of a URDF, and the outline guessed from it."""
+    """Checked content of a URDF, and the robot's main parts (wheels, arm, sensors) guessed from it."""
 
     contents: Contents
     outline: Outline

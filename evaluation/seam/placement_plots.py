@@ -20,7 +20,7 @@ DRAWN_BASE_M = (0.9, 0.65)  # [m] length and width of the base that is drawn
 
 
 class DividedPath(NamedTuple):
-    """A path with its division, drawn in one panel."""
+    """Panel of a plot with a tool's path divided into parts, each tracked from one pose of the base."""
 
     title: str
     bases: FloatArray
@@ -31,7 +31,7 @@ class DividedPath(NamedTuple):
 def draw_divisions(
     path: ToolPath, panels: Sequence[DividedPath], target: Path, arm: PitchArm | None = None
 ) -> None:
-    """Draw a path and the bases for its parts from above, and the path from ahead: figure 4 of Shin (2005).
+    """Draw a tool's path from above with the poses of the base, and from ahead, as figure 4 of Shin (2005).
 
     Args:
         path: path of the tool.

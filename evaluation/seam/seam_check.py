@@ -18,7 +18,7 @@ from handcart.robotics.manipulation.paths.untrackable import Untrackable
 
 
 def seam_facts(task: Task) -> dict[str, Any]:
-    """Return the result of DIVIDE at the robot's start; empty for a task that divides no seam.
+    """Return how DIVIDE would divide a task's seam among poses of the base; empty for a task without DIVIDE.
 
     Raises:
         FileError: a point of the seam cannot be tracked (the first one, with reason and nearest reachable

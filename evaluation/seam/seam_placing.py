@@ -36,7 +36,7 @@ OCCUPIED_MARGIN_M = 0.05  # [m] of floor on both sides of a seam that counts as 
 
 
 class NoToolArm(InputError):
-    """Error: a robot cannot follow a seam with a tool from any place."""
+    """Error for a robot without a tool or an arm with which it could follow a seam."""
 
     def __init__(self, robot: RobotFile, reason: str) -> None:
         lacking = "arm" if robot.arm is None else "tool" if robot.tool is None else None
@@ -46,7 +46,7 @@ class NoToolArm(InputError):
 
 
 class PlacedSeam(NamedTuple):
-    """A seam that can be tracked, with the poses of the base for it."""
+    """Seam divided into parts, each with a pose of the base from which the arm can track it."""
 
     seam: ToolPath
     placements: Placements
@@ -58,11 +58,11 @@ class PlacedSeam(NamedTuple):
 
     @property
     def share(self) -> float:
-        """Mean score along the seam, 0 to 1."""
+        """Mean score of the arm's postures along the seam, 0 to 1."""
         return self.placements.score / self.seam.length
 
     def words(self) -> list[str]:
-        """Return a line for each placement."""
+        """Return a line of text for each pose of the base: the pose, and the part tracked from it."""
         lines = []
         for number, segment in enumerate(self.placements.segments, start=1):
             x, y, turn = self.placements.bases[segment.placement].tolist()
@@ -75,7 +75,7 @@ class PlacedSeam(NamedTuple):
 def place_seam(
     spec: RobotFile, file: Path, work_piece: WorkPiece | None = None, count: int | None = None
 ) -> PlacedSeam:
-    """Divide a seam among places on an open floor.
+    """Divide a seam into parts, each with a pose of the base on an open floor from which it is tracked.
 
     Args:
         spec: robot file.
@@ -141,7 +141,7 @@ def _start(placements: Placements, seam: ToolPath, room: StandingRoom) -> Pose2:
 
 
 def write_task(placed: PlacedSeam, file: Path, robot: str, folder: Path) -> None:
-    """Write a task with all its files, and `placements.svg`.
+    """Write the files of a task that tracks a divided seam, and the picture `placements.svg`.
 
     Args:
         placed: divided seam.
@@ -171,7 +171,7 @@ def write_task(placed: PlacedSeam, file: Path, robot: str, folder: Path) -> None
 
 
 def draw_placements(placed: PlacedSeam, target: Path) -> None:
-    """Draw the placements as in figure 4 of Shin (2005).
+    """Draw the seam and the poses of the base for its parts, as in figure 4 of Shin (2005).
 
     Raises:
         OSError: the file cannot be written.

@@ -28,7 +28,7 @@ SENSOR_ERROR_M = 0.0015  # [m]: five sigma of positioning and arm, beyond what T
 
 
 class SeamStretch:
-    """Commanded and true poses of the tool, period by period, along a part of the seam."""
+    """Record of joints and true tool positions in each period of one TRACK action along a seam's part."""
 
     def __init__(self, part: ToolPath) -> None:
         self.part = part
@@ -40,7 +40,7 @@ class SeamStretch:
 
     @cached_property
     def notes(self) -> StretchNotes:
-        """The stretch as plain data, once it has ended."""
+        """Data of this stretch for a checkpoint; only valid after the stretch has ended."""
         part = {name: np.asarray(value).tolist() for name, value in self.part._asdict().items()}
         joints, tips = np.array(self.joints).tolist(), np.array(self.tips).tolist()
         return StretchNotes(part, self.score, self.times, joints, [(x, y, z) for x, y, z in tips])
@@ -48,7 +48,7 @@ class SeamStretch:
 
 @dataclass(frozen=True)
 class StretchNotes:
-    """A `SeamStretch` as plain data, as a checkpoint keeps it."""
+    """Data of a `SeamStretch` in plain types, as stored in a checkpoint."""
 
     part: dict[str, Any]
     score: float
@@ -58,7 +58,7 @@ class StretchNotes:
 
 
 class SeamSurvey(Survey):
-    """Survey of the tool's distance from the seam while TRACK has the tool on it."""
+    """Evaluation of seam tracking by the tool's true distance from the seam during TRACK actions."""
 
     name = "seam"
     effects = SEAM_EFFECTS
@@ -76,9 +76,7 @@ class SeamSurvey(Survey):
 
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
-        """Return whether the run tracks a seam in a simulated world, or knows one there, so that its share is
-        reported.
-        """
+        """Return whether a simulated run tracks a seam, or has a seam whose tracked share is reported."""
         return super().applies(run) or (run.scene is not None and run.model.of(Seam).seam is not None)
 
     @override
@@ -114,7 +112,7 @@ class SeamSurvey(Survey):
         self.stretches = [_again(notes, self.run.robot.arm_model.dof) for notes in noted]
 
     def errors(self) -> list[tuple[FloatArray, FloatArray]]:
-        """Return times (k,) in [s] and distances (k,) of the tool from the seam in [m], for each stretch."""
+        """Return the tool's distances (k,) from the seam, in [m], with times (k,) in [s], for each TRACK."""
         return [
             (np.array(stretch.times), distances(np.array(stretch.tips), stretch.part.points))
             for stretch in self.stretches
@@ -140,8 +138,9 @@ class SeamSurvey(Survey):
         }
 
     def faults(self) -> list[str]:
-        """Return a message if the seam was not tracked completely, or not within TRACK's limit, as Success
-        claims.
+        """Return a message if the seam was not tracked completely, or not within TRACK's error limit.
+
+        Either contradicts the Success of the complete run.
         """
         seam = self.run.model.of(Seam).seam
         if seam is None:
@@ -165,7 +164,10 @@ class SeamSurvey(Survey):
             draw_tracking_errors(stretches, folder / "tracked.svg", self.limits["tracking_error_mm_max"])
 
     def uses(self) -> list[LimitUse]:
-        """Return each stretch's use of the joints' speeds and torques, including the tool's force."""
+        """Return, for each TRACK, how much of the joints' allowed speeds and torques was used.
+
+        Torques include those of the tool's force.
+        """
         return [self._use(stretch) for stretch in self.stretches]
 
     def _violations(self) -> int:

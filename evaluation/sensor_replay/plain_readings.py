@@ -16,11 +16,11 @@ from handcart.backends.capabilities.capability import Capability
 
 
 class NotRecordable(TypeError):
-    """Error: a capability returns values of a type that cannot be recorded."""
+    """Error for a capability that returns values of a type that cannot be recorded."""
 
 
 def plain(value: Any) -> Any:
-    """Return a reading or an argument as plain data that `saved_state.pack` accepts."""
+    """Convert a reading or argument to numbers, texts, arrays and lists, which `saved_state.pack` accepts."""
     if isinstance(value, Enum):
         return value.value
     if value is None or isinstance(value, np.ndarray | bool | int | float | str):
@@ -35,8 +35,11 @@ def plain(value: Any) -> Any:
 
 
 def typed(data: Any, kind: Any) -> Any:
-    """Return a value of a declared type from the data that `plain` made of it; raises `TypeError` for other
-    data.
+    """Convert data from `plain` back to a value of a type; raises `TypeError` for data of another type.
+
+    Args:
+        data: result of `plain`.
+        kind: type of the original value, as annotated.
     """
     origin, args = typing.get_origin(kind) or kind, typing.get_args(kind)
     if origin in (Union, types.UnionType):

@@ -21,7 +21,7 @@ SIZE_BYTES = 8
 
 
 class NoRecording(InputError):
-    """Error: a run has no recorded readings, or they cannot be read."""
+    """Error for a run whose recorded readings are missing or cannot be read."""
 
     def __init__(self, folder: Path, wrong: str) -> None:
         needed = "needed: a run made with `handcart run --record-sensors`"
@@ -36,10 +36,10 @@ def write_block(file: IO[bytes], data: Any) -> None:
 
 
 def read_blocks(folder: Path) -> Iterator[Any]:
-    """Yield the blocks of a run's recording, the head first.
+    """Yield the blocks of data in a run's recording of readings; the first block is the file's header.
 
     Raises:
-        NoRecording: it is missing, of another format, or damaged.
+        NoRecording: the recording is missing, of another format, or damaged.
     """
     try:
         with open_regular(folder / SENSORS_FILE) as file:

@@ -28,12 +28,12 @@ END_OF_RECORDING = "the recording ends"
 
 
 class Parted(BaseException):
-    """Error: the replay differs from the recording; no other code may handle this exception."""
+    """Exception that ends a replay when it differs from the recording; no other code may handle it."""
 
 
 @dataclass
 class RecordedPeriod:
-    """Commands and readings of one recorded period."""
+    """Recorded commands, readings, and answers to calls with arguments of one period."""
 
     commands: list[Call] = field(default_factory=list)
     readings: dict[tuple[int, str], Call] = field(default_factory=dict)
@@ -42,7 +42,7 @@ class RecordedPeriod:
 
     @classmethod
     def of(cls, calls: list[Call]) -> RecordedPeriod:
-        """Group the calls of a period by their kinds; raise LookupError or TypeError for other data."""
+        """Group the recorded calls of a period; raise LookupError or TypeError for damaged data."""
         found = cls()
         for call in calls:
             what, number, method, words = call[:4]
@@ -58,8 +58,8 @@ class RecordedPeriod:
 class ReplayBackend(Backend):
     """Backend that replays the readings of a recorded run; it has no world and no ground truth.
 
-    The first call that differs raises `Parted`: another command, one too many or too few, or a reading
-    that was not recorded.
+    The first difference from the recorded run raises `Parted`: a different, missing or additional command,
+    or a reading that was not recorded.
 
     Attributes:
         periods: number of periods that have ended.
@@ -161,7 +161,7 @@ class ReplayBackend(Backend):
         return f"{owner}.{method}({values})"
 
     def part_ways(self, words: str) -> NoReturn:
-        """Note the first difference, and raise `Parted`."""
+        """Store the first difference from the recorded run in `difference`, and raise `Parted`."""
         self.difference = self.difference or words
         raise Parted(self.difference)
 
@@ -172,13 +172,13 @@ class ReplayBackend(Backend):
         self.periods += 1
 
     def check_period_done(self) -> None:
-        """Raise `Parted` if the run commanded more in this period."""
+        """Raise `Parted` if the recorded run gave more commands in this period than the replay."""
         if self._done < len(self._now.commands):
             missing = self._said(self._now.commands[self._done][1:4])
             self.part_ways(f"it does not command {missing}, which the run did")
 
     def check_at_end(self) -> None:
-        """Raise `Parted` if the recording has more periods."""
+        """Raise `Parted` if the recorded run has more periods than the replay."""
         self.check_period_done()
         if next(self._following, None) is not None:
             self.part_ways("it is over, but the run continued")

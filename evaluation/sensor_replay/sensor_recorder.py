@@ -42,7 +42,7 @@ class SensorRecorder(LayeredBackend):
         self._file: IO[bytes] | None = None
 
     def open(self, folder: Path) -> None:
-        """Record into a run's folder, including what has passed up to now."""
+        """Write the recording to a run's folder from now on, and the calls recorded before as well."""
         with self._losing():
             self._file = (folder / SENSORS_FILE).open("xb")
             self._file.write(FORMAT_HEADER)

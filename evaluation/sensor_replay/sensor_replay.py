@@ -27,9 +27,7 @@ REPLAY_KEYS = ("task_path", "settings", "start", "robot_sha256", "network", "bac
 
 
 class ChangedFiles(InputError):
-    """Error: the files of a run have changed since it was recorded, so that its readings cannot be
-    replayed.
-    """
+    """Error for a run that cannot be replayed because its task's or robot's files have changed since."""
 
     def __init__(self, run: PastRun, what: str) -> None:
         allowed = "allowed: the files as they were; `handcart replay` without --sensors needs none"
@@ -38,7 +36,7 @@ class ChangedFiles(InputError):
 
 @dataclass(frozen=True)
 class SensorReplay:
-    """Result of the replay of a run's readings."""
+    """Result of running the program on a run's recorded readings, with the first difference from the run."""
 
     periods: int
     commands: int
@@ -56,7 +54,7 @@ def replay_sensors(run: PastRun) -> SensorReplay:
 
     Raises:
         NoRecording: the run has no recorded readings.
-        ChangedFiles: the task's or the robot's file is another one by now.
+        ChangedFiles: the task's or the robot's file has changed since the run.
         FileError: a file of the task cannot be read.
     """
     backend = ReplayBackend(run.folder)

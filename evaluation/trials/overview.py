@@ -55,7 +55,7 @@ MAPS_SHARE = 0.57  # of the width, next to a picture
 
 @dataclass(frozen=True)
 class ActionStretch:
-    """One action on the time line."""
+    """Action on the time line of a run's overview, with begin, end and outcome."""
 
     number: int
     do: str
@@ -72,7 +72,7 @@ def draw_overview(
     radius: float,
     shown: Collection[str] = (),
 ) -> Path:
-    """Draw the overview of a run that has ended.
+    """Draw the overview of a run that has ended: map with the driven path, last picture, and time line.
 
     Args:
         run_dir: the run's folder.

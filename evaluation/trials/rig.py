@@ -30,12 +30,12 @@ LIBRARY_FOLDER = Path(__file__).parent.parent.parent / "tasks" / "return_book"
 
 
 class NoSuchPlace(InputError):
-    """Error: the start place of the robot does not exist."""
+    """Error for a start place of the robot that the places' file does not have."""
 
 
 @dataclass(frozen=True)
 class RigFiles:
-    """Files that a rig is built from; by default the library of the task return_book."""
+    """World, map and knowledge files for a robot without a task (default: the library of return_book)."""
 
     world: Path = LIBRARY_FOLDER / "world.yaml"
     map: Path | None = LIBRARY_FOLDER / "map.yaml"
@@ -51,7 +51,7 @@ class RigFiles:
 
     @classmethod
     def without_map(cls, world: Path) -> RigFiles:
-        """Return the files of a robot that knows nothing of a world."""
+        """Return the files for a robot in a world of which it has no map, places or other knowledge."""
         return cls(world, None, None, {}, "", is_without_map=True)
 
     @classmethod
@@ -74,7 +74,10 @@ class RigFiles:
 
 @dataclass
 class Rig:
-    """A robot in a world with its prior knowledge; a context manager that closes the backend on exit."""
+    """Test set-up of a robot on a backend, in a world, with prior knowledge but without a task.
+
+    It is a context manager that closes the backend on exit.
+    """
 
     robot: Robot
     model: WorldModel
@@ -118,7 +121,7 @@ def build_rig(
     is_start_known: bool = True,
     bench: str | None = None,
 ) -> Rig:
-    """Build a robot on a backend, with files for a test, without a task.
+    """Build a test set-up: a robot on a backend, with world, map and knowledge, but without a task.
 
     Args:
         files: world, map and knowledge.

@@ -31,11 +31,11 @@ from handcart.networks.task.task_file import load_task
 
 
 class NoFolder(HandcartError):
-    """Error: the run's folder cannot be created; nothing has moved."""
+    """Error for a run whose folder cannot be created; raised before the robot moves."""
 
 
 class FaultsNotSimulated(InputError):
-    """Error: faults are requested for a robot that is not simulated; nothing has moved."""
+    """Error for faults that are to be injected on a robot that is not simulated; raised before it moves."""
 
     def __init__(self, backend: str) -> None:
         super().__init__(f"faults on purpose on the backend {backend!r}; allowed: a simulated one")
@@ -58,7 +58,7 @@ def run_task(task: Path, runs: Path, options: RunOptions | None = None) -> tuple
         NoWindow: the run cannot be shown.
         NoVideo: the run cannot be recorded.
         NeedsOperator: the last run of a real robot waits for a person.
-        NotSimulated: faults are requested for a real robot.
+        FaultsNotSimulated: faults are requested for a real robot.
         RobotBusy: the robot is in another run.
     """
     options = options or RunOptions()
@@ -169,7 +169,7 @@ def resume_task(
         confirm: number of the journal's last record, as a person has seen it; required where a real
             robot moves.
         options: options of the continuation. Only `permits`, `interrupts`, `sync`, `draw`, `report`,
-            `playback` and `observers` are used; the journal holds the others.
+            `playback` and `observers` are used; the other options are read from the run's journal.
         seed: seed of random numbers from now on; None: the run's original seed.
 
     Returns:
@@ -182,7 +182,7 @@ def resume_task(
         RunAlive: the run is still going.
         NothingToResume: the run has ended.
         NeedsOperator: a person has to decide something first.
-        FileError: the task or a file that it names has a fault by now.
+        FileError: the task, or a file that it names, now has a fault.
     """
     options = options or RunOptions()
     observers = options.observers
@@ -237,13 +237,15 @@ def prepare_again(folder: Path, seed: int | None = None) -> tuple[Mapping[str, A
 def put_back(
     folder: Path, header: Mapping[str, Any], prepared: Prepared, observers: Sequence[RunObserver] = ()
 ) -> Past:
-    """Restore a prepared run to its state at the interruption; of a real robot only its knowledge.
+    """Restore an interrupted run: the simulated world from its checkpoint, and the robot's knowledge.
+
+    For a real robot only the knowledge is restored.
 
     Args:
         folder: the run's folder.
         header: header of the run's journal.
         prepared: the run, prepared from the files that the header names.
-        observers: receive messages about the known state.
+        observers: observers of the run, which receive messages about the restored state.
 
     Raises:
         NoRun, JournalError, NotAState, NeedsOperator: as `resume_task`.
@@ -275,7 +277,7 @@ def new_folder(runs: Path, name: str) -> Path:
     """Create a folder with the first free name of NAME, NAME.2, NAME.3 ...
 
     Raises:
-        NoFolder: it cannot be created, or its name is not valid text.
+        NoFolder: the folder cannot be created, or its name is not valid text.
     """
     number, folder = 1, runs / name
     try:

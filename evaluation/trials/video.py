@@ -26,14 +26,14 @@ _PAPER, _INK = (245, 245, 245), (30, 30, 30)
 
 
 class NoVideo(InputError):
-    """Error: the run cannot be recorded as a video."""
+    """Error for a run that cannot be recorded as a video."""
 
 
 class Video(RunObserver):
-    """Recorder of the backend's view, with the action as text and the camera picture while it is used.
+    """Observer that records a run as a video of the backend's view, the action and the camera's picture.
 
-    If the backend has no view, the pictures of its camera are recorded alone. A context manager that
-    finishes the file on exit.
+    The camera's picture is shown while primitives use it. If the backend has no view, only the camera's
+    pictures are recorded. It is a context manager that finishes the file on exit.
     """
 
     def __init__(self, path: Path, robot: Robot) -> None:
@@ -89,7 +89,7 @@ class Video(RunObserver):
         self._mp4.close()
 
     def event(self, event: Event) -> None:
-        """Keep the text of the current action for the line at the bottom of the picture."""
+        """Update the text about the current action that the next frames show at their bottom."""
         match event:
             case Started(_, number, action, _, _):
                 self._words = f"{number}. {action.do}: {action.source} to {action.target}"
@@ -99,7 +99,7 @@ class Video(RunObserver):
                 self._words = f"{number}. {action.do}: {type(outcome).__name__}"
 
     def period(self, robot: Robot) -> None:
-        """Write the frames that are due; a period that lasts longer than a frame repeats its frame."""
+        """Write the frames of the video that are due; if several are due in one period, repeat the frame."""
         if robot.seen is not self._seen:
             self._seen, self._seen_at = robot.seen, robot.time
         if robot.time < self._next - 1e-9:

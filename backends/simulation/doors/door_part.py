@@ -61,7 +61,7 @@ class DoorPart(PrintedThing):
     @property
     @override
     def mass(self) -> float:
-        """Mass that the hand carries, in [kg]: always 0, because the door's joint carries the part."""
+        """Mass that the hand carries, in [kg], which is 0 because the door's joint carries the part."""
         return 0.0
 
     @property

@@ -38,7 +38,7 @@ class SimulatedDoorSpec(DoorShape):
 
     @property
     def stop(self) -> float:
-        """Largest possible opening, in [rad], or in [m] for a drawer: limited by travel, a jam or a lock."""
+        """Largest opening, in [rad] or for a drawer in [m], that travel, a jam or a lock allows."""
         if self.locked:
             return self.opened
         jam = self.jams_deg if self.is_hinged else self.jams_mm
@@ -48,7 +48,7 @@ class SimulatedDoorSpec(DoorShape):
 
     @property
     def start(self) -> float:
-        """Smallest possible opening, in [rad], or in [m] for a drawer: 0, or the present one if locked."""
+        """Smallest opening, in [rad] or for a drawer in [m], which is 0, or the present opening if locked."""
         return self.opened if self.locked else 0.0
 
     def true_joint(self) -> DoorJoint:

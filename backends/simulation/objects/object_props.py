@@ -71,7 +71,7 @@ class ObjectProps(Props[ObjectsSection]):
 
     @property
     def pulls(self) -> list[SimulatedPull]:
-        """Pulls of the person at the held object: those to come, under way and over."""
+        """Pulls of the person at the held object, both future and present and past ones."""
         return self.puller.pulls
 
     @pulls.setter

@@ -19,7 +19,7 @@ J_PER_WH = 3600.0
 
 
 class SimulatedBattery(Battery, SimulatedSensor):
-    """Simulated battery of a robot: time and the base's motion discharge it, a charger charges it."""
+    """Simulated battery of a robot, which time and the base's motion discharge and a charger charges."""
 
     STATE: ClassVar = {"_energy_j": float, "_place": Pose2, "_now": int}
 

@@ -16,7 +16,7 @@ FORCE_CAP = 60.0  # force at which the hand's drives yield [N]
 
 
 class Met(NamedTuple):
-    """Result of an arm's motion in one period: where it stopped, and by which contact force."""
+    """Result of an arm's motion in one period, with the reached joints, contact force and touching bodies."""
 
     joints: FloatArray
     """Joints (n,) at which the arm stops, in [rad] or [m]: the given array itself, if nothing stops it."""

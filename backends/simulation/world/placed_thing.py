@@ -18,7 +18,7 @@ from .world_file import FloorPose, Millimetres, Name
 
 
 class PlacedSpec(FloorPose):
-    """Size of a thing, and the pose at which a person sets it down: that of its underside's middle."""
+    """Size of a thing, and the pose of its underside's middle where a person sets it down."""
 
     name: Name
     on: Literal["world", "robot"] = "world"

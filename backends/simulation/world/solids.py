@@ -99,7 +99,7 @@ def of_table(table: TableSpec) -> tuple[Solid, Solid]:
 
 
 class FloorPlan:
-    """Floor plan: outlines, as arrays, of the solids that reach into a range of heights."""
+    """Floor plan with the outlines, as arrays, of the solids that reach into a range of heights."""
 
     def __init__(self, solids: Sequence[Solid], low: float, high: float) -> None:
         """Keep the solids that reach into the range between the heights `low` and `high`, in [m]."""

@@ -123,7 +123,7 @@ class SkySpec(FileModel):
 
 
 class BeaconsThere(FileModel):
-    """Differences of the true radio beacons from the robot's file: moved positions and drifting biases."""
+    """Moved positions and drifting biases of the radio beacons, which the robot's file does not have."""
 
     places_m: dict[str, BeaconPlace] = Field(default_factory=dict)
     """True positions of beacons that were moved, by name."""

@@ -16,7 +16,7 @@ MAX_CELLS = 25_000_000  # of one map, as a picture of 5000 by 5000 pixels
 
 
 class NoMap(InputError):
-    """Error for a world of which no map can be drawn: it is empty at the map's height, or too large."""
+    """Error for a world of which no map can be drawn, as it is empty at the map's height or too large."""
 
 
 def map_of_world(world: WorldFile, height: float, resolution: float) -> GridMap:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 
 class ActionEnd(NamedTuple):
-    """End of one action in a trial: its name, situations, outcome and reason."""
+    """End of one action in a trial, with the action's name, situations, outcome and reason."""
 
     action: str
     """Name from the task file, the same for all elements of a repeat: `MOVE_TO (loaded to there)`."""

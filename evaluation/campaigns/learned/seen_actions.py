@@ -19,7 +19,7 @@ _ENDS = {"Success": EndCode.SUCCESS, "Fail": EndCode.FAIL, "GiveUp": EndCode.GIV
 
 
 class SeenActions(NamedTuple):
-    """Table, as arrays, of the m actions that were started in n trials: their outcomes and durations."""
+    """Table, as arrays, of outcomes and durations of the m actions that were started in n trials."""
 
     trial: IntArray
     """(m,) index of the trial, from 0 to n - 1, ascending."""

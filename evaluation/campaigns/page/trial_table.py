@@ -19,7 +19,7 @@ MAX_REASON_LETTERS = 160  # letters of a reason
 
 
 class TrialRow(NamedTuple):
-    """Row of a campaign page's table of trials: seed, outcome, metrics and link to the run."""
+    """Row of a campaign page's table of trials, with seed, outcome, metrics and name of the run."""
 
     seed: int
     outcome: str

@@ -36,7 +36,7 @@ class Spread:
 
 @dataclass(frozen=True)
 class CampaignReport:
-    """Statistics of a campaign: its success rate, outcomes, metrics and causes of failure."""
+    """Statistics of a campaign, such as success rate, outcomes, metrics and causes of failure."""
 
     trials: Sequence[Trial]
     """Trials in the order of their seeds."""

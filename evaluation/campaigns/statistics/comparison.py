@@ -66,7 +66,7 @@ class Parting:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Comparison of two campaigns by pairs of trials with equal seeds: metrics and success rates."""
+    """Comparison of the success rates and metrics of two campaigns, by pairs of trials with equal seeds."""
 
     pairs: int
     unpaired: int

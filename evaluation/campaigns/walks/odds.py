@@ -11,7 +11,7 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray, Int8Array, 
 
 
 class EndCode(IntEnum):
-    """Code of how an action ended: with Success, Fail, permanent Fail or GiveUp."""
+    """Code of how an action ended, by Success, Fail, permanent Fail or GiveUp."""
 
     SUCCESS = 0
     FAIL = 1

@@ -58,7 +58,7 @@ class Stride(NamedTuple):
 
 
 class Walker:
-    """Simulator of walks through a network: the coordinator's rules choose actions, outcomes are random."""
+    """Simulator of walks through a network, with actions by the coordinator's rules and random outcomes."""
 
     def __init__(self, table: WalkTable, odds: Odds) -> None:
         """Walk in a network's table, which several walkers may share."""

@@ -12,7 +12,7 @@ from handcart.evaluation.conformance.rig.skipped import Skipped
 
 @dataclass
 class CheckResult:
-    """Result of a conformance check: `wrong` lists violations, `measured` the observed values.
+    """Result of a conformance check, with violations in `wrong` and observed values in `measured`.
 
     If the check does not apply to the robot, `skipped` has the reason.
     """

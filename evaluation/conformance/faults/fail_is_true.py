@@ -50,7 +50,7 @@ class FaultTrial(NamedTuple):
 
 @dataclass(frozen=True)
 class Batch:
-    """Unit of work of one process: faults to inject at some instants of one action's run."""
+    """Faults to inject at some instants of one action's run, as the unit of work of one process."""
 
     rehearsal: Rehearsal | Solo
     action: int

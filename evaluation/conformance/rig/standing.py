@@ -22,7 +22,7 @@ MAX_REST_MOTION = {"wheels": 2e-3, "joints": 2e-3, "width": 5e-4}
 
 @dataclass(frozen=True)
 class TrueState:
-    """State of a backend at one instant: wheels, joints, fingers and, if simulated, the ground truth."""
+    """State of wheels, joints and fingers at one instant and, if simulated, the ground truth."""
 
     readings: dict[str, FloatArray]
     truth: GroundTruth | None

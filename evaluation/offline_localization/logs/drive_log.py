@@ -22,7 +22,7 @@ class BeaconLog(NamedTuple):
 
 
 class DriveLog(NamedTuple):
-    """Log of a drive: sensor readings in order of time, one row each; NaN where a row has no new reading.
+    """Log of a drive with sensor readings in order of time; NaN where a row has no new reading.
 
     The world frame has x east, y north; the base frame has x forward, y left, z up.
     """

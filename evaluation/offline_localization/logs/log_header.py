@@ -48,7 +48,7 @@ since the previous row.
 
 
 class Column(FileModel):
-    """Column of a log's table: its title, and how to convert its numbers to SI units."""
+    """Column of a log's table, with its title and the conversion of its numbers to SI units."""
 
     unit: str
     """Unit of the numbers: SI or a common other unit, see docs/how_to/localize.md."""
@@ -69,7 +69,7 @@ class LogStart(FileModel):
 
 
 class LogHeader(FileModel):
-    """Header, in YAML, of a log in CSV: its columns, start pose and sensors.
+    """Header, in YAML, of a log in CSV, with columns, start pose and sensors.
 
     It is between two lines `---` before the table.
     """
@@ -93,5 +93,5 @@ class LogHeader(FileModel):
 
     @property
     def quantities(self) -> dict[str, tuple[str, ...]]:
-        """All quantities that a column may have, each with its kinds of unit: also a range to each beacon."""
+        """All quantities that a column may have, also ranges to beacons, each with its kinds of unit."""
         return dict.fromkeys(self.range_columns, ("length",)) | COLUMN_QUANTITIES

@@ -81,7 +81,7 @@ def radius_of(urdf_text: str, base: str) -> float:
 
 
 def middle_of(joint: JointFacts) -> float:
-    """Return the middle position of a joint, in [rad] or [m]: 0 if within its limits, otherwise their mean."""
+    """Return a middle position of a joint, in [rad] or [m]: 0 if within the limits, otherwise their mean."""
     if joint.kind == "continuous" or joint.lower is None or joint.upper is None:
         return 0.0
     return 0.0 if joint.lower <= 0.0 <= joint.upper else 0.5 * (joint.lower + joint.upper)

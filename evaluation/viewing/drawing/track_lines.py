@@ -12,11 +12,13 @@ MIN_RADIUS_M = 0.02
 
 
 def track_lines(rows: FloatArray) -> list[FloatArray]:
-    """Return two lines (n, 2) on the map in [m] for each person: its ellipse, and its way of one second.
+    """Return two lines (n, 2) on the map, in [m], for each tracked person.
+
+    These are the ellipse of the position's covariance, and the distance moved in one second.
 
     Args:
-        rows: (p, 7), each x, y on the map in [m], velocity x, y in [m/s], and xx, xy, yy of the covariance in
-            [m²].
+        rows: (p, 7) persons, each x, y on the map in [m], velocity x, y in [m/s], and xx, xy, yy of the
+            position's covariance in [m²].
     """
     angle = np.linspace(0.0, 2.0 * np.pi, ELLIPSE_CORNERS + 1)
     unit, lines = np.stack((np.cos(angle), np.sin(angle))), []

@@ -18,7 +18,7 @@ LOG_SUFFIXES = (".asc", ".blf", ".csv", ".db", ".log", ".trc")
 
 
 class UnreadableLog(InputError):
-    """Error: a file is not a readable log of CAN frames."""
+    """Error for a file that is not a readable log of CAN frames."""
 
     def __init__(self, file: Path, why: object) -> None:
         super().__init__(f"{file} is not a log of CAN frames: {why}; allowed: {', '.join(LOG_SUFFIXES)}")

@@ -22,7 +22,7 @@ FRAMES_SUFFIX = "_frames.log"
 
 
 class NoSuchAction(InputError):
-    """Error: the run has no action with this number."""
+    """Error for an action's number that a run does not have."""
 
     def __init__(self, run: PastRun, number: int) -> None:
         last = len(run.actions)
@@ -32,7 +32,7 @@ class NoSuchAction(InputError):
 
 @dataclass(frozen=True)
 class Explanation:
-    """Explanation of one action of a run, or of the run's end."""
+    """Evidence (choice, causes, readings and pictures) that explains an action of a run, or the run's end."""
 
     run: PastRun
     action: PastAction | None
@@ -59,7 +59,7 @@ class Explanation:
 
     @property
     def causes(self) -> Sequence[Mapping[str, Any]]:
-        """Causes as the journal holds them: why the motion ended, then why restoring ended."""
+        """Causes recorded in the journal why the action's motion ended, then why its restoring ended."""
         return tuple(self.action.result.get("cause", ())) if self.action else ()
 
 
@@ -81,8 +81,9 @@ def explain(run: PastRun, number: int | None = None) -> Explanation:
 
 @contextmanager
 def relying_on_the_journal(run: PastRun) -> Iterator[None]:
-    """Raise `JournalError` for errors caused by inconsistent content, as in a forged but correctly chained
-    journal.
+    """Context that raises `JournalError` instead of errors that a journal's inconsistent content causes.
+
+    An example is a forged journal whose chain of checksums is correct.
     """
     try:
         yield

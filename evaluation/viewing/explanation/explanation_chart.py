@@ -39,7 +39,7 @@ MOST_PIXELS = 50_000_000
 
 
 class UnreadableEvidence(HandcartError):
-    """Error: a file of a run's evidence is damaged."""
+    """Error for a damaged file of readings, points or a picture in a run's folder."""
 
     def __init__(self, path: Path, error: Exception) -> None:
         super().__init__(f"{path} can't be read: {error}")

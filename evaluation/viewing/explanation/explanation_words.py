@@ -37,8 +37,8 @@ def in_words(explanation: Explanation, chart: Path | None) -> str:
     """Return a text with one line for each action of the run, followed by the explained action.
 
     Args:
-        explanation: of an action or of the run's end.
-        chart: path of its chart; None if none was drawn.
+        explanation: explanation of an action or of the run's end.
+        chart: path of the explanation's chart; None if no chart was drawn.
 
     Raises:
         JournalError: the journal's content is inconsistent.
@@ -83,7 +83,10 @@ def _time_line(run: PastRun, chosen: PastAction | None) -> str:
 
 
 def aim_words(run: PastRun) -> Iterator[tuple[Mapping[str, Any], str]]:
-    """Yield the records of rounds, interrupts and abandoned goals, each in words."""
+    """Yield the journal's records of changes of the goal, each with a text.
+
+    These are new rounds of the task, interrupts, and goals that were abandoned.
+    """
     interrupts = run.network.network.aims.interrupts if run.network else ()
     for record in run.records:
         if record["kind"] != "AIM":
@@ -227,7 +230,7 @@ def _happened(explanation: Explanation) -> str:
 
 
 def cause_words(action: PastAction, cause: Mapping[str, Any]) -> Iterator[str]:
-    """Yield one line for each link of a cause: primitive, check, functions, sensor."""
+    """Yield a cause of failure as lines of text: reason, then primitive, check, functions and measurement."""
     when = action.end if action.broken_off is None or cause.get("restoring") else action.broken_off
     kind = f" [{cause['kind']}]" if cause.get("kind") else ""
     yield f"{when:.1f} s: {cause['reason']}{kind}"

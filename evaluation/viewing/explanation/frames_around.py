@@ -22,7 +22,7 @@ _SILENT = 2.5  # multiples of its usual spacing after which a frame counts as mi
 
 
 class FrameLine(NamedTuple):
-    """A CAN frame with its time and its description."""
+    """CAN frame of a log, with its time and a description of its meaning."""
 
     time: float
     """Time of the frame on the robot's clock, in [s]."""
@@ -32,7 +32,7 @@ class FrameLine(NamedTuple):
 
 @dataclass(frozen=True)
 class FramesAround:
-    """CAN frames around an instant, without repetitions of the same state."""
+    """CAN frames near one instant of a log that show a change, and cyclic messages that then stop."""
 
     file: Path
     """The log with all frames."""
@@ -100,7 +100,7 @@ def _silent(lines: Sequence[FrameLine]) -> Iterator[FrameLine]:
 
 
 def in_words(around: FramesAround) -> Iterator[str]:
-    """Yield a line of text for each frame."""
+    """Yield the CAN frames around an instant as lines of text."""
     if around.left_out:
         yield f"{around.left_out} lines further away are left out"
     width = max((len(line.description.who) for line in (*around.lines, *around.silent)), default=0)

@@ -12,7 +12,10 @@ LOG_LEVELS = {"Fail": "Warning", "GiveUp": "Error"}
 
 
 def event_messages(run: PastRun) -> Iterator[Message]:
-    """Yield each record as a log message on `/events`; a Fail is a warning, a GiveUp is an error."""
+    """Yield each record of a run's journal as a Foxglove log message on the topic `/events`.
+
+    A Fail is a warning, a GiveUp an error.
+    """
     from foxglove.messages import Log, LogLevel
 
     done = {action.number: action.do for action in run.actions}

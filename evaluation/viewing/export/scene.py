@@ -21,8 +21,10 @@ FURNITURE_GREY = 178  # of solids without a grey value
 
 
 def scene_messages(recorded: Playback) -> Iterator[Message]:
-    """Yield fixed boxes on `/scenery`, as they appear and disappear, and each move of a thing on
-    `/things`.
+    """Yield the recorded world as Foxglove scene messages.
+
+    Fixed boxes are on the topic `/scenery` when they appear or disappear; movable things are on `/things`
+    when they move.
     """
     yield from _scenery(recorded)
     for name, track in recorded.things.items():

@@ -14,7 +14,7 @@ GOOD_OUTCOMES = ("Success", "Cancelled")
 
 
 def level_of(status: Mapping[str, Any]) -> bytes:
-    """Return how much a state needs a person: `OK`, `WARN` or `ERROR`."""
+    """Return the diagnostic level of a run's status, how much it needs a person: `OK`, `WARN` or `ERROR`."""
     if status.get("error") or (outcome := status.get("outcome")) in ("GiveUp", "Error"):
         return ERROR
     if outcome is not None:
@@ -23,7 +23,7 @@ def level_of(status: Mapping[str, Any]) -> bytes:
 
 
 def summary_of(status: Mapping[str, Any]) -> str:
-    """Return a state in a few words."""
+    """Return a run's status as a short text: error, outcome or state, with reason or question."""
     if status.get("error"):
         return str(status["error"])
     words = str(status.get("outcome") or status.get("state"))
@@ -34,7 +34,7 @@ def summary_of(status: Mapping[str, Any]) -> str:
 
 
 def diagnostics_message(link: ServingLink, hardware: str, status: Mapping[str, Any]) -> Any:
-    """Return a `DiagnosticArray` with one entry.
+    """Return a ROS message `DiagnosticArray` with the status of a run as its only entry.
 
     Args:
         link: makes the message.

@@ -27,7 +27,10 @@ NEW_QUESTION_S = 1.0
 
 
 class Door:
-    """Services that command one run; the run itself decides, as for `handcart console`."""
+    """ROS services through which an operator commands one run, as with `handcart console`.
+
+    The run itself decides whether it obeys.
+    """
 
     def __init__(
         self, folder: Path, ended: threading.Event, clock: Callable[[], float] = time.monotonic
@@ -60,9 +63,9 @@ class Door:
         return {key: value for key, value in status.items() if key != "ok"}
 
     def published(self, status: Mapping[str, Any]) -> None:
-        """Remember the question that a published status asks, and since when.
+        """Remember the question to the operator in a published status, and the time at which it was new.
 
-        Only this question can be answered, and not before it could be read for `NEW_QUESTION_S`.
+        Services only answer this question, and only after it has been published for `NEW_QUESTION_S`.
         """
         asks = status.get("asks")
         number = None if not asks else int(asks["ask"])

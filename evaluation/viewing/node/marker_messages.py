@@ -33,7 +33,7 @@ BLUE, GREY, RED, ORANGE, GREEN = (
 
 
 class Layer(NamedTuple):
-    """Style of drawn points."""
+    """Name, marker type, size and colour of one kind of points that are published as ROS markers."""
 
     name: str
     type: int
@@ -48,13 +48,14 @@ PEOPLE_LAYER = Layer("people", SPHERE_LIST, PERSON_DIAMETER_M, ORANGE)
 
 
 def marker_array(link: ServingLink, seen: SeenState, status: str, residuals: str) -> Any:
-    """Return the markers of a state.
+    """Return a ROS `MarkerArray` that shows the state of a run, for RViz.
 
     Args:
-        link: makes the messages.
-        seen: the state.
+        link: connection to ROS 2, which creates the messages.
+        seen: state of the run.
         status: text shown above the robot.
-        residuals: text with the residuals of the last undone action, shown at its snapshot; "" for none.
+        residuals: text with the errors left after the last failed action was undone, shown at the pose that
+            the action started from; "" for none.
     """
     message = link.message(MARKERS_KIND)
     message.markers = list(_markers(link, seen, status, residuals))

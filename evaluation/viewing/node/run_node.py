@@ -49,14 +49,14 @@ MESSAGE_KINDS = {
 
 
 class SecondNode(InputError):
-    """Error, because another run's node is on the air, so that a command could reach either run."""
+    """Error for a second run's node in the same ROS network, because a command could reach either run."""
 
 
 class RunNode(RunObserver):
-    """Observer that publishes a run and offers the operator's services, in a thread of its own.
+    """Observer that publishes a run's state in ROS 2 and offers the operator's commands as services.
 
-    Its data is copied between two periods; the node's own trouble never changes the run. A simulated run is
-    slowed down to real time, as with `--view`; a real robot never is.
+    It works in its own thread on data copied between two periods; its errors never change the run. A
+    simulated run is slowed down to real time, as with `--view`; a run of a real robot is never slowed down.
     """
 
     def __init__(
@@ -153,7 +153,7 @@ class RunNode(RunObserver):
 
     @override
     def end(self) -> None:
-        """Publish the last state, answer what has been asked, and leave."""
+        """Publish the last state, answer pending service calls, and leave the ROS network."""
         self._ended.set()
         self._over.set()
         if self._thread is not None:
@@ -223,17 +223,18 @@ def check_alone(
     say: Callable[[str], None] = lambda _: None,
     sleep: Callable[[float], None] = clock.sleep,
 ) -> None:
-    """Check that no other run's node is on the air.
+    """Check that no other run has a node in the ROS network.
 
     Args:
-        link: to ROS 2.
+        link: connection to ROS 2.
         seconds: time in [s] for other nodes to be discovered.
-        ghost_s: time in [s] for which a discovered node may stay: a killed program's leaves late.
+        ghost_s: time in [s] to wait for a discovered node to leave, because the node of a killed program
+            remains visible for a while.
         say: receives a message if the function waits for another node to leave.
-        sleep: waits so many seconds.
+        sleep: function that waits for a number of seconds.
 
     Raises:
-        SecondNode: another run's node is on the air.
+        SecondNode: another run has a node in the ROS network.
     """
     if not _appears(link, round(seconds / LOOK_PERIOD_S), sleep):
         return

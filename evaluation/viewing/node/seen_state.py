@@ -19,7 +19,7 @@ NO_POINTS = np.empty((0, 2))
 
 @dataclass(frozen=True)
 class SeenState:
-    """State of a run as its robot believes it at one time, in the frame of the robot's map."""
+    """Estimated pose, paths and contacts of a robot at one time of a run, in the frame of the robot's map."""
 
     pose: Pose2
     """map_T_base."""
@@ -42,13 +42,13 @@ class SeenState:
 def seen_state(
     robot: Robot, evidence: Mapping[str, FloatArray], driven: list[Pose2], snapshot: Pose2 | None
 ) -> SeenState:
-    """Copy what is published of a robot.
+    """Copy the state of a robot that a run's node publishes.
 
     Args:
         robot: the robot, between two periods.
         evidence: (n, 2) points of the running action on the map, in [m], by name.
         driven: poses of the base since the action's start.
-        snapshot: pose of the base at the action's start; None before the first one.
+        snapshot: pose of the base at the action's start; None before the first action.
     """
     people = np.empty((0, 7))
     with suppress(Exception):  # primitives that need its readings report it
@@ -70,7 +70,7 @@ def action_state(number: int, action: Any, fails: int) -> dict[str, Any]:
     Args:
         number: number of the action in the run, from 1.
         action: the action of the network.
-        fails: number of its earlier Fails.
+        fails: number of earlier Fails of the action.
     """
     given = {} if action.binding is None else action.binding.given()
     return {

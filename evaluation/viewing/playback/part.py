@@ -25,7 +25,10 @@ SHAPES_ADAPTER = TypeAdapter(list[ThingShape])
 
 
 class RecordingPart(NamedTuple):
-    """Arrays of one part of a recording; times are the robot's, in [s], and increase."""
+    """State, scans, particles, pictures and things in one part (one file) of a run's recording.
+
+    All times are on the robot's clock, in [s], and ascending.
+    """
 
     time: FloatArray
     """(n,) time of each row."""
@@ -104,8 +107,10 @@ class RecordingPart(NamedTuple):
         return part
 
     def new_shapes(self) -> list[ThingShape]:
-        """Return the shapes of the things that appear first in this part; raise ValueError if they are
-        damaged.
+        """Return the shapes of the movable things whose first appearance in the run is in this part.
+
+        Raises:
+            ValueError: the recorded shapes are damaged.
         """
         return SHAPES_ADAPTER.validate_python(orjson.loads(self.shapes.tobytes()))
 

@@ -29,7 +29,7 @@ PLANNED_KEY = "planned"  # evidence of primitives: the path that they plan to dr
 
 
 class PlaybackMoment(NamedTuple):
-    """State of a run at one time."""
+    """Recorded state of the robot at one time, with estimated and true pose, joints and running action."""
 
     time: float
     """Time of the robot, in [s]."""
@@ -51,9 +51,9 @@ class PlaybackMoment(NamedTuple):
 
     @property
     def base(self) -> FloatArray:
-        """world_T_base (7,), x, y, z in [m] and a unit quaternion w, x, y, z.
+        """Pose world_T_base (7,) of the base, as x, y, z in [m] and a unit quaternion w, x, y, z.
 
-        The true pose where it is known, otherwise the estimate.
+        It is the true pose where this is known, otherwise the estimate.
         """
         return on_floor(self.pose[None])[0] if self.truth is None else self.truth
 
@@ -83,7 +83,7 @@ class ThingTrack(NamedTuple):
 
 @dataclass(frozen=True)
 class Playback:
-    """A recorded run: rows at 10 Hz, scans and particles at 5 Hz, pictures as they were taken."""
+    """Recorded run, with the robot's state at 10 Hz, scans and particles at 5 Hz, and all camera pictures."""
 
     run: PastRun
     scenery: Scenery
@@ -96,7 +96,7 @@ class Playback:
 
     @classmethod
     def read(cls, folder: Path) -> Self:
-        """Read the recording in a run's folder; of a killed run the last minute is missing.
+        """Read the recording in a run's folder; if the run was killed, its last minute is missing.
 
         Raises:
             NoRun: the folder holds no run, or no readable recording.
@@ -156,7 +156,11 @@ class Playback:
         )
 
     def ranges(self, number: int) -> FloatArray:
-        """Return the ranges (b,) of a scan in [m]; infinity without an echo, NaN if invalid."""
+        """Return the ranges (b,) of a lidar scan, in [m]; infinity without an echo, NaN if invalid.
+
+        Args:
+            number: number of the scan in the recording, from 0.
+        """
         return metres(self.rows.scan_mm[number])
 
     def latest(self, times: FloatArray, time: float) -> int | None:
@@ -174,9 +178,9 @@ class Playback:
         return self._actions.get(number)
 
     def situation(self, time: float) -> str:
-        """Return the situation of the network at a time in [s]; during an action, the one it started from.
+        """Return the situation of the network at a time in [s]; "" before the first situation.
 
-        Empty before the first one.
+        During an action it is the situation in which the action started.
         """
         times, names = self._situations
         number = self.latest(times, time)
@@ -189,8 +193,10 @@ class Playback:
         return self._named(PLANNED_KEY).get(number, np.empty((0, 2)))
 
     def bumped(self, number: int) -> FloatArray:
-        """Return the points (n, 2) on the map where the base hit something, in [m], up to and including an
-        action.
+        """Return the points (n, 2) on the map, in [m], where the base hit something up to an action's end.
+
+        Args:
+            number: number of the action, from 1.
         """
         found = [points for n, points in self._named(BUMPED_KEY).items() if n <= number]
         return np.vstack([np.empty((0, 2)), *found])

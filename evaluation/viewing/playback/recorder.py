@@ -43,12 +43,12 @@ _SOON = 1e-6  # [s]
 
 
 class PlaybackRecorder(RunObserver):
-    """Observer that writes `playback/scenery.json` at the start of a run and `playback/00001.npz` ...
-    during it.
+    """Observer that records a run for playback in the folder `playback` of the run.
 
-    A row holds measurements, estimates and, in simulation, the truth: see `RecordingPart`. The recorder
-    reads nothing that the run does not read anyway, so it does not change the run. A killed process loses
-    the last part. An error, for example a full disk, ends the recording and not the run.
+    It writes `scenery.json` at the start and parts `00001.npz`, ... during the run. They hold measurements,
+    estimates and, in simulation, the true state: see `RecordingPart`. The recorder reads nothing that the
+    run does not read anyway, so it does not change the run. A killed process loses the last part. An error,
+    for example a full disk, ends the recording but not the run.
     """
 
     def __init__(self) -> None:

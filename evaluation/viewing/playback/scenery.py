@@ -29,7 +29,7 @@ UNKNOWN, OCCUPIED, FREE = 128, 0, 255  # in the picture of a map
 
 
 class SolidShape(FileModel):
-    """A fixed box, which may appear and disappear."""
+    """Fixed box of a recorded world, which may appear and disappear during the run."""
 
     name: str
     pose: Seven
@@ -43,7 +43,7 @@ class SolidShape(FileModel):
 
 
 class ThingShape(FileModel):
-    """A box that a hand can carry."""
+    """Size and colour of a recorded box that moves, such as an object that a hand can carry."""
 
     name: str
     size_m: Size
@@ -53,7 +53,7 @@ class ThingShape(FileModel):
 
 
 class MapShape(FileModel):
-    """The robot's occupancy grid."""
+    """Occupancy grid of the robot in a recorded run, as a picture."""
 
     resolution_m: float
     origin_m: tuple[float, float]
@@ -75,7 +75,7 @@ class MapShape(FileModel):
 
 
 class RobotShape(FileModel):
-    """Shape of the robot and of its lidar."""
+    """URDF, footprint and lidar of the robot in a recorded run."""
 
     name: str
     urdf: str
@@ -93,7 +93,10 @@ class RobotShape(FileModel):
 
 
 class Scenery(FileModel):
-    """Constant data of a recorded run; map and places in the map's frame, all else in the world's."""
+    """Constant data of a recorded run, with robot, fixed solids, map and places.
+
+    Map and places are in the map's frame, everything else is in the world's frame.
+    """
 
     format: Literal["handcart-playback/1"] = "handcart-playback/1"
     robot: RobotShape
@@ -124,7 +127,7 @@ def scenery_of(prepared: Prepared, scene: Scene | None) -> Scenery:
 
 
 class PosedBox(Protocol):
-    """A drawn box whose pose changes: a thing, or a passer."""
+    """Interface of bodies that move and are drawn as a box, such as carried things and walking people."""
 
     @property
     def name(self) -> str:
@@ -136,19 +139,19 @@ class PosedBox(Protocol):
 
     @property
     def grey(self) -> int:
-        """Grey of its sides, 0 to 255."""
+        """Grey of the box's sides, 0 to 255."""
 
     @property
     def pose(self) -> Transform:
-        """world_T_thing (4, 4)."""
+        """Pose world_T_thing (4, 4) of the box's frame in the world."""
 
     @property
     def thing_T_middle(self) -> Transform:
-        """Pose (4, 4) of the thing's middle in its own frame."""
+        """Pose thing_T_middle (4, 4) of the box's middle in the box's frame."""
 
 
 def thing_shapes(things: Sequence[PosedBox]) -> list[ThingShape]:
-    """Return the shapes in which things are drawn."""
+    """Return the sizes and colours of moving boxes, as they are stored in a recording."""
     middles = sevens(np.array([thing.thing_T_middle for thing in things]).reshape(-1, 4, 4)).tolist()
     return [
         ThingShape(name=thing.name, size_m=thing.size, middle=middle, grey=thing.grey)

@@ -26,7 +26,7 @@ def sevens(poses: FloatArray) -> FloatArray:
 
 
 def seven(pose: Transform) -> Seven:
-    """Convert one homogeneous transform (4, 4) to seven numbers."""
+    """Convert a homogeneous transform (4, 4) to x, y, z in [m] and a unit quaternion w, x, y, z."""
     x, y, z, qw, qx, qy, qz = sevens(pose[None])[0].tolist()
     return x, y, z, qw, qx, qy, qz
 
@@ -65,7 +65,7 @@ def between(a: FloatArray, b: FloatArray, share: float) -> FloatArray:
         share: 0 to 1.
 
     Returns:
-        The pose (7,), likewise.
+        The interpolated pose (7,), in the same form and frame.
     """
     other = b[3:] if float(a[3:] @ b[3:]) >= 0.0 else -b[3:]
     cosine = min(1.0, float(a[3:] @ other))

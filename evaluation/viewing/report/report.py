@@ -36,7 +36,7 @@ GAUGE_LENGTH_FACTOR = 1.15  # length of a gauge, relative to the larger of value
 
 
 def write_report(folder: Path, path: Path | None = None) -> Path:
-    """Write the page of a run.
+    """Write the report of a run as an HTML page.
 
     Args:
         folder: the run's folder.

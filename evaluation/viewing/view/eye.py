@@ -17,7 +17,7 @@ PANEL_SHARE = 0.5
 
 
 class Eye(NamedTuple):
-    """Pose of the page's camera."""
+    """Position and direction from which a web page shows the world."""
 
     position: FloatArray
     """(3,) in the world, in [m]."""
@@ -26,7 +26,7 @@ class Eye(NamedTuple):
 
 
 def eye_on(robot: FloatArray, fov: float, aspect: float, outdoors: bool) -> Eye:
-    """Return the camera pose with the robot in the middle of the part that the panel leaves visible.
+    """Return the page's camera pose that shows the robot in the middle of the part not covered by the panel.
 
     Args:
         robot: (3,) position of the robot's base in the world, in [m].

@@ -25,8 +25,8 @@ from .recorded_frames import PATH_STEP_M
 class LiveFrames:
     """Source of frames that show the current state of robot and world.
 
-    A frame may never be drawn: therefore each contains all things, and all things that appeared since
-    the run began.
+    Some frames are never drawn. Each frame therefore contains the poses of all things, and the shapes of all
+    things that have appeared since the run began.
     """
 
     def __init__(self, robot: Robot, scene: Scene | None, scenery: Scenery, known: set[str]) -> None:
@@ -56,7 +56,7 @@ class LiveFrames:
             situation: name of the current situation.
             action: number of the action.
             restoring: True while the action is being undone.
-            planned: (n, 2) path on the map that it plans to drive, in [m]; None if it plans none.
+            planned: (n, 2) path on the map that the action plans to drive, in [m]; None without a path.
         """
         robot, scene = self._robot, self._scene
         with suppress(Exception):  # reported by primitives that need the reading

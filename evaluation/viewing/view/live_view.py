@@ -34,11 +34,11 @@ SPEED_LABELS = ("1", "2", "5", "20", FASTEST_LABEL)
 
 
 class LiveView(RunObserver):
-    """Observer that draws a run onto a page in its own thread; its data is read between two periods.
+    """Observer that shows a run live on a web page, which it draws in its own thread.
 
     A simulated run is slowed down to the speed chosen on the page, at first real time; a real robot is
-    never slowed down. The view reads nothing that the run does not read anyway, so it does not change
-    the run.
+    never slowed down. The view reads its data between two periods, and nothing that the run does not read
+    anyway, so it does not change the run.
     """
 
     def __init__(self, server: viser.ViserServer, address: str) -> None:

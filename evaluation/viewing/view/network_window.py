@@ -15,13 +15,18 @@ BOX_MARGIN_PX = 10.0  # around the outermost boxes
 
 
 class NetworkWindow:
-    """Drawing of a network with the outcomes of its actions, from which sections are cut."""
+    """Drawing of a task's network of actions with their outcomes, of which small sections are shown."""
 
     def __init__(self, network: ActionNetwork, actions: Sequence[PastAction]) -> None:
         self._picture = draw_network(network, [(action.index, action.outcome) for action in actions])
 
     def svg(self, situation: str, action: PastAction | None) -> str:
-        """Return the section around the running action, or around the situation, with both highlighted."""
+        """Return the section of the drawing around an action or situation as SVG, with both highlighted.
+
+        Args:
+            situation: name of the present situation.
+            action: running action, in the middle of the section; None: the situation is in the middle.
+        """
         lit = [self._picture.box(situation=situation)]
         if action is not None:
             lit = [self._picture.box(action=action.index), *lit]

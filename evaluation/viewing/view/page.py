@@ -53,7 +53,7 @@ class Page:
         server.on_client_connect(self._aim)
 
     def add_layers(self) -> None:
-        """Add check boxes for the layers and for following the robot."""
+        """Add check boxes that show or hide layers of the drawing, and one for following the robot."""
         gui = self._server.gui
         with gui.add_folder("Show", expand_by_default=False):
             for label, names in LAYER_NODES.items():

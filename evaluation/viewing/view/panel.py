@@ -45,7 +45,7 @@ def _listed(lines: Sequence[str]) -> str:
 
 
 class Panel:
-    """Parts of the panel from top to bottom; the controls are below the time line."""
+    """Panel of a run's web page with status, reasons, time line, controls and network."""
 
     def __init__(self, server: viser.ViserServer, title: str, ended: str) -> None:
         """Create an empty panel.
@@ -77,7 +77,7 @@ class Panel:
         Args:
             network: the network; None if it is not known.
             actions: the actions of the run.
-            why: returns the reasons for choosing an action, line by line; None: as before.
+            why: function that returns the reasons for choosing an action, line by line; None: unchanged.
         """
         self._why = why or self._why
         self._window = None if network is None else NetworkWindow(network, actions)

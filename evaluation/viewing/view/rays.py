@@ -17,12 +17,12 @@ def rays_of(robot: RobotShape, ranges: FloatArray, base: FloatArray, height: flo
 
     Args:
         robot: shape of the robot, with the lidar's mounting.
-        ranges: (b,) in [m]; an infinite or NaN range hit nothing.
+        ranges: (b,) ranges of the scan, in [m]; a beam with an infinite or NaN range hit nothing.
         base: (7,) world_T_base: x, y, z in [m], and a unit quaternion w, x, y, z.
         height: height of the lidar above the base's frame, in [m].
 
     Returns:
-        (n, 2, 3) in the world, in [m]: from the lidar to the point that was hit.
+        Rays (n, 2, 3), each from the lidar to the point that was hit, in the world, in [m].
     """
     x, y, heading = robot.base_t_sensor
     hit = np.isfinite(ranges)

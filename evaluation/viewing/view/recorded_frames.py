@@ -16,7 +16,7 @@ PATH_PERIOD_S = 0.5  # after which the driven path is drawn again
 
 
 class RecordedFrames:
-    """Source of frames at any times; each frame contains the differences to the one before."""
+    """Source of frames of a recorded run at any times; each contains the differences to the last frame."""
 
     def __init__(self, playback: Playback) -> None:
         self._playback = playback
@@ -30,7 +30,7 @@ class RecordedFrames:
         self._way = _thinned(playback)
 
     def at(self, time: float) -> Frame:
-        """Return the frame at a time in [s], with what differs from the frame of the call before."""
+        """Return the frame at a time in [s], with the differences to the frame of the previous call."""
         playback = self._playback
         moment = playback.at(time)
         driven, restored = self._driven(moment.time)

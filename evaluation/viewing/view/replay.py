@@ -35,7 +35,7 @@ def _why(run: PastRun, action: PastAction) -> Sequence[str]:
 
 
 class Replay:
-    """Replay with its controls; its caller calls `step` repeatedly."""
+    """Replay of a recorded run on a web page with controls; the caller advances it by repeated `step`."""
 
     def __init__(self, server: viser.ViserServer, playback: Playback) -> None:
         """Draw the start of the run."""
@@ -54,11 +54,11 @@ class Replay:
 
     @property
     def time(self) -> float:
-        """Shown time of the robot, in [s]."""
+        """Time of the run that the page shows, in [s] on the robot's clock."""
         return self._time
 
     def go_to(self, time: float) -> None:
-        """Show another time, in [s]."""
+        """Show the run at a time in [s] on the robot's clock, limited to the recording."""
         with self._lock:
             self._time = min(max(time, self._playback.start), self._playback.end)
         self._follow_slider()
