@@ -12,7 +12,7 @@ _NAME = re.compile(r"(left|right)_(\w+_)?wheel")
 
 
 class NoWheels(InputError):
-    """A simulated robot lacks wheels to drive on."""
+    """Error for a simulated robot without driven wheels on one of its sides."""
 
 
 class DrivenWheels(NamedTuple):

@@ -52,7 +52,7 @@ UrdfPlace = Annotated[str, AfterValidator(_place)]
 
 
 class PartSpec(FileModel):
-    """A URDF that is mounted unchanged on a part that precedes it in the file."""
+    """URDF of a robot's part, which is mounted on a link of a part that precedes it in the robot's file."""
 
     urdf: UrdfPlace
     """A path from the robot's file, or `package://NAME/PATH` in a package of Python or ROS."""
@@ -95,7 +95,7 @@ def read_part(urdf: str, folder: Path, without: Sequence[str] = ()) -> ReadPart:
     """Read a URDF and check that it can be used.
 
     Args:
-        urdf: as in a robot's file.
+        urdf: path or `package://NAME/PATH` of the URDF, as in a robot's file.
         folder: folder of the robot's file.
         without: joints that are removed with all links behind them.
 
@@ -130,7 +130,12 @@ def read_part(urdf: str, folder: Path, without: Sequence[str] = ()) -> ReadPart:
 
 
 def read_srdf(srdf: str, folder: Path) -> str:
-    """Return the text of a SRDF; arguments and errors as for `read_part`."""
+    """Return the text of a SRDF, MoveIt's file of a robot's semantics; errors are as for `read_part`.
+
+    Args:
+        srdf: path or `package://NAME/PATH` of the SRDF, as in a robot's file.
+        folder: folder of the robot's file.
+    """
     path, _, _ = _found(srdf, folder)
     if not path.is_file():
         raise UrdfError(f"missing text file {srdf!r}; {did_you_mean(path)}allowed: a SRDF")

@@ -55,7 +55,7 @@ ACTIONS = """\
 
 
 def task_text(definition: Definition, room: Room, robot: str) -> str:
-    """Return the text of the task's file."""
+    """Return the text of the file of a task in which a robot carries out an activity."""
     steps = list(_steps(room))
     goal = f"placed_{steps[-1]['name']}"
     title = definition.name.replace("_", " ").capitalize()

@@ -20,7 +20,7 @@ Literal = tuple[str, ...]
 
 
 class NoBddl(InputError):
-    """Error, because the package with the activities is missing or can't be imported."""
+    """Error for the package `bddl`, which has the activities, if it is missing or cannot be imported."""
 
     def __init__(self, why: object) -> None:
         super().__init__(

@@ -36,7 +36,7 @@ class FurniturePart(NamedTuple):
 
 
 class FurnitureLevel(NamedTuple):
-    """A surface that carries things, or a part of one."""
+    """Surface of a piece of furniture, or a part of the surface, that carries things."""
 
     name: str
     relation: str

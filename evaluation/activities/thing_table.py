@@ -16,7 +16,7 @@ Positive = Annotated[float, Field(gt=0.0)]
 
 
 class CarriedEntry(FileModel):
-    """Size of a thing that a hand may carry, upright."""
+    """Size of a category of things that a hand can carry, standing upright."""
 
     shape: Literal["box", "cylinder"] = "box"
     size_mm: tuple[Positive, Positive, Positive]
@@ -27,7 +27,7 @@ class CarriedEntry(FileModel):
 
 
 class FurnitureEntry(FileModel):
-    """Size of a piece of furniture. Its own -y side is its front."""
+    """Size and form of a category of furniture; the front of a piece is its -y side."""
 
     form: Literal["table", "shelf", "box", "tray", "block", "floor"]
     """A table and a tray carry things on top, a shelf in an opening between boards as well, an open box on

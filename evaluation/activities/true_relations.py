@@ -35,7 +35,7 @@ class TrueThing:
 
     @property
     def points(self) -> FloatArray:
-        """Corners (n, 3) of all its solids in the world, in [m]."""
+        """Corners (n, 3) of all solids of the thing, in the world, in [m]."""
         return np.vstack([corners(solid) for solid in self.solids])
 
     @property
@@ -94,9 +94,7 @@ def is_inside(inner: TrueThing, outer: TrueThing) -> bool:
 
 
 def is_next_to(one: TrueThing, other: TrueThing) -> bool:
-    """Return whether the gap between two things is small relative to their sizes, and one is level with the
-    other.
-    """
+    """Return whether two things are side by side, with a gap that is small relative to their sizes."""
     (low, high), (other_low, other_high) = one.extent, other.extent
     apart = np.maximum(0.0, np.maximum(low, other_low) - np.minimum(high, other_high))
     mean = float(np.mean((high - low) + (other_high - other_low)))

@@ -56,7 +56,7 @@ class BagLink(Link):
 
     @property
     def is_over(self) -> bool:
-        """True once all messages have arrived."""
+        """True once all messages of the recording have been delivered."""
         return self._next >= len(self._messages)
 
     def pass_time(self, seconds: float) -> None:

@@ -18,7 +18,7 @@ PAPER_MM = 1.5  # within which all processed errors of figure 4 are
 def draw_stacking_errors(
     errors: Sequence[BlockError], target: Path, limit_mm: float, processed: bool
 ) -> None:
-    """Plot true errors along x and y over the blocks' numbers, and all of them from above.
+    """Plot the true errors of blocks along x and y over the blocks' numbers, and as points from above.
 
     Args:
         errors: errors of the placed blocks.

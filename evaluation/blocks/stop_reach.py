@@ -82,7 +82,9 @@ class StopReach:
         return Goal(work, (self._looking(place.floor, place.height_m + self._block[2], level),))
 
     def touches(self, base: FloatArray, place: LevelPose, around: Sequence[Box], held: bool) -> str:
-        """Return the contact of arm or held block above and at a block's place; empty if all is clear.
+        """Describe why the arm cannot work at a block, by reach or by contact of arm or held block.
+
+        The text is empty if the hand reaches the block from above without contact.
 
         Args:
             base: (3,) map_T_base: x, y in [m], heading in [rad].

@@ -94,7 +94,7 @@ class WallPlan(NamedTuple):
 
 
 def plan_wall(loaded: Loaded[Drawing], spec: RobotFile, grid: GridMap) -> WallPlan:
-    """Return the stops for a robot that takes the blocks of a drawing and lays them.
+    """Plan the base's stops from which a robot takes the blocks of a drawing and lays them.
 
     Args:
         loaded: the drawing.

@@ -168,7 +168,7 @@ class LimitsRung(Rung[Site]):
 
 
 class Limit(NamedTuple):
-    """An end of a joint's range."""
+    """Lower or upper limit of a joint's range, with its position and direction."""
 
     at: float
     """Position of the limit, in [rad] or [m]."""

@@ -54,7 +54,7 @@ def read_object(line: CanLine, node: int, index: int, subindex: int = 0) -> int 
 
 
 class InterfaceRung(Rung[Site]):
-    """Step that checks that the interface is up and a drive answers on it."""
+    """Bring-up step that checks that the CAN interface is up and a drive answers on it."""
 
     name = "interface"
     summary = "the CAN interface is up, its bit rate is the drives', and one of them answers"
@@ -93,7 +93,7 @@ def _no_answer(node: int, errors: int, frames: int, bitrate: int) -> str:
 
 
 class IdentifyRung(Rung[Site]):
-    """Step that checks that the nodes on the bus are those of the robot's file, and no others."""
+    """Bring-up step that checks that the nodes on the CAN bus are exactly those of the robot's file."""
 
     name = "identify"
     summary = "the nodes on the bus are those of the robot's file, drives all, and no others"
@@ -142,7 +142,7 @@ def _differences(name: str, axis: Any, facts: dict[str, Any]) -> list[str]:
 
 
 class ReadBackRung(Rung[Site]):
-    """Step that writes all settings and checks that they are read back as written."""
+    """Bring-up step that writes all settings of the drives and checks that they are read back as written."""
 
     name = "read_back"
     summary = "supervision, reactions, limits and mappings are written, and read back as they were written"

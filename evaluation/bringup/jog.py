@@ -61,14 +61,14 @@ class KeyLease:
 
 
 class UnknownAxis(InputError):
-    """Error, because the robot has no axis of that name."""
+    """Error for the name of an axis that the robot does not have."""
 
     def __init__(self, name: str, axes: list[str]) -> None:
         super().__init__(f"unknown axis {name!r}{suggest(name, axes)}")
 
 
 class Jogged(NamedTuple):
-    """Result of jogging an axis."""
+    """Result of moving one axis with `Jogger.jog`, with travel, duration and reason of the end."""
 
     way: float
     """Signed travel by the encoder, in [m] or [rad]."""
@@ -114,7 +114,7 @@ class Jogger:
         Args:
             axis: name of the axis.
             way: travel after which the axis stops at the latest, in [m] or [rad]; negative towards the lower
-            limit.
+                limit.
             held: returns whether the key is still held.
             slower: factor of the axis' top speed, at most 1.
 

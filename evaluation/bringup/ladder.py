@@ -47,7 +47,7 @@ class UnknownRung(InputError):
 
 
 class BenchFirst(InputError):
-    """Error, because a step has not passed on the bench with the current version of the robot's file."""
+    """Error for a step that has not passed on the bench with the current version of the robot's file."""
 
     def __init__(self, rung: str, robot: str, backend: str) -> None:
         words = robot if backend == CanBackend.name else f"{robot} --{backend}"

@@ -15,7 +15,7 @@ Facts = dict[str, Any]
 
 
 class RungFailed(HandcartError):
-    """Error: a step failed; its message says what to check."""
+    """Error for a bring-up step that failed; the message says what to check."""
 
 
 class Rung(ABC, Generic[SiteT]):

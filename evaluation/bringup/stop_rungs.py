@@ -78,7 +78,7 @@ def _until_off(backend: CanBackend) -> tuple[dict[str, str], float]:
 
 
 class StopTestRung(Rung[Site]):
-    """Step that measures the stopping distance of the base for each kind of stop."""
+    """Bring-up step that measures the stopping distance of the base for each kind of stop."""
 
     name = "stop_test"
     summary = "how far the base runs on at 250 mm/s: a stop by the program, and our heartbeat gone"

@@ -131,8 +131,9 @@ class SubmittedTrial:
 
 
 class Cluster:
-    """Runner of trials on the workers of a scheduler; leaving the iteration early cancels the remaining
-    trials.
+    """Runner of trials on the workers of a Dask scheduler.
+
+    If the caller of `trials` stops iterating early, the remaining trials are cancelled.
     """
 
     def __init__(self, work: Work, address: str) -> None:

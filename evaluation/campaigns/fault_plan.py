@@ -122,7 +122,7 @@ class InjectedFaults(RunObserver):
         return self._backend
 
     def period(self, robot: Robot) -> None:
-        """Inject the faults that are due."""
+        """Inject the faults that are due in this period."""
         assert self._backend is not None
         self._backend.asked = True
         for number, (fault, instants) in enumerate(self._coming):

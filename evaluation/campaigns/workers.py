@@ -78,7 +78,7 @@ class Worker:
 
 
 class Workers:
-    """Runner of trials in parallel processes; leaving the iteration early ends the processes."""
+    """Runner of trials in parallel processes, which end if the caller of `trials` stops iterating early."""
 
     def __init__(self, work: Work, jobs: int) -> None:
         """Prepare without starting a process; iterating does.
@@ -94,7 +94,7 @@ class Workers:
         self._left: Iterator[int] = iter(())
 
     def trials(self, seeds: Iterable[int]) -> Generator[list[Trial], None, None]:
-        """Run a trial for each seed; yield trials that ended at the same time together.
+        """Run a trial for each seed; yield lists of the trials that have ended since the last list.
 
         Raises:
             HandcartError: a trial cannot be run.

@@ -78,7 +78,7 @@ class KitReport:
 
     @property
     def bitten(self) -> int:
-        """Number of faults that changed anything."""
+        """Number of injected faults that changed a reading, a command or the simulated world."""
         return sum(trial.kind != NO_FAULT and trial.ending.bitten for trial in self.trials)
 
     @property

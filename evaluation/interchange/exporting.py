@@ -21,7 +21,7 @@ FORMAT_WRITERS: Mapping[str, tuple[Callable[[TaskParts], str], str]] = {
 
 
 class NotExpressed(InputError):
-    """Error of a task that a format cannot hold; the message says why."""
+    """Error for a task that a format of another program cannot express; the message says why."""
 
 
 def exported(task: Task, kind: str) -> tuple[str, tuple[str, ...]]:

@@ -24,7 +24,7 @@ COMMENT_PREFIX = "handcart: "
 
 
 def model_text(parts: TaskParts) -> str:
-    """Return a task as a JANI model."""
+    """Return a task as a JANI model, the exchange format of probabilistic model checkers."""
     return json.dumps(_model(parts), indent=1, ensure_ascii=False) + "\n"
 
 

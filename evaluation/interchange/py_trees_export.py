@@ -27,7 +27,7 @@ class TreeMemory:
 
 
 class AtGoal(behaviour.Behaviour):
-    """Behaviour that succeeds at the goal, and fails otherwise."""
+    """Behaviour of py_trees that succeeds if the task's situation is the goal, and fails otherwise."""
 
     def __init__(self, memory: TreeMemory, goal: str) -> None:
         super().__init__(f"at {goal}")
@@ -66,7 +66,7 @@ class DoAction(behaviour.Behaviour):
 
 
 class TaskTree(composites.Selector):
-    """Behaviour tree of a task, which succeeds at the goal and fails where no action is left."""
+    """Behaviour tree of a task, which succeeds at the goal and fails if no action can start any more."""
 
     def __init__(self, parts: TaskParts, carry: Carried) -> None:
         super().__init__(str(parts.head["title"]), memory=False)

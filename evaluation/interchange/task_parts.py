@@ -98,7 +98,10 @@ def most_attempts(row: Row) -> int | None:
 
 
 def successes(row: Row) -> list[tuple[str, str, Any]]:
-    """Return situation, result and probability of each Success of an action, the usual one first."""
+    """Return next situation, result and probability of each kind of Success of an action.
+
+    The usual result comes first.
+    """
     if "then" not in row:
         return [(row["to"], "", row.get("p"))]
     return [(item["to"], item.get("result", ""), item.get("p")) for item in row["then"]]

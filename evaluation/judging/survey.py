@@ -66,7 +66,7 @@ class SurveyedRun:
 
     @property
     def base_on_map(self) -> Pose2:
-        """True map_T_base."""
+        """True pose map_T_base of the base, in the frame of the robot's map."""
         base = self.world.base
         return base if self.robot.own_start is None else base.relative_to(self.world_T_map)
 
@@ -106,7 +106,7 @@ Effect = Callable[[Any, Claim], list[str]]
 
 
 class Survey(ABC):
-    """Observer of a run that sees the ground truth, which no primitive may see, and changes nothing.
+    """Base class of surveys, observers that evaluate a run by the ground truth and change nothing.
 
     A survey that raises an exception is removed for the rest of the run and reported in `untrue`; the run
     continues.
@@ -166,7 +166,7 @@ class Survey(ABC):
             noted: last value of `notes`, of the class attribute's type `noted`; any value if that is None.
 
         Raises:
-            ValueError: the notes cannot belong to such a run.
+            ValueError: the notes cannot belong to the interrupted run.
         """
 
     @abstractmethod

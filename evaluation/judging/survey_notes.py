@@ -74,7 +74,7 @@ def as_noted(read: object, kind: type[T]) -> T:
     """Return a value read from a JSON file as a value of type `kind`.
 
     Raises:
-        ValueError: the value does not have this type; names the element and its fault.
+        ValueError: the value does not have this type; the message names the element and its fault.
     """
     try:
         return TypeAdapter(kind).validate_json(orjson.dumps(read), strict=True)

@@ -47,7 +47,7 @@ def survey_kinds(run: SurveyedRun | None = None) -> tuple[type[Survey], ...]:
         run: run that the surveys are for; surveys of domains that it does not use are omitted. None: all.
 
     Raises:
-        NoSurvey: one of them cannot be imported, or is not a survey.
+        NoSurvey: a class cannot be imported, or is not a survey.
     """
     named = [
         (domain.name, domain.survey)

@@ -22,7 +22,7 @@ Kind = type[Capability]
 class LayeredBackend(Backend):
     """Base class of backends that wrap another backend and change some of its readings or commands.
 
-    Each capability of the inner backend is wrapped in an object that calls this one. A method
+    Each capability of the inner backend is wrapped in an object that calls this backend. A method
     `arm_move(arm, joints)` of a subclass is called instead of `Arm.move(joints)`,
     `range_sensor_scan(sensor)` instead of `RangeSensor.scan()` and so on; its first argument is the inner
     capability. Capabilities of kinds that are not in `all_capabilities` are not wrapped.

@@ -24,7 +24,7 @@ OCCUPIED_LEVEL, UNKNOWN_LEVEL, FREE_LEVEL = 0.0, 0.85, 1.0
 
 
 def draw_map(built: BuiltMap, path: Path, title: str) -> None:
-    """Draw the cells, the trajectory with ellipses of three sigma, and the loop closures.
+    """Draw a built map: its cells, the trajectory with ellipses of three sigma, and the loop closures.
 
     Raises:
         OSError: the file cannot be written.

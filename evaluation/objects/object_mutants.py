@@ -53,7 +53,7 @@ class DropsParcel(Pick):
 
 
 class TurnsSighting(LookFor):
-    """Faulty LOOK_FOR that notes a heading which it did not measure."""
+    """Faulty LOOK_FOR that reports a wrong heading of the object, which it did not measure."""
 
     @override
     @classmethod

@@ -14,7 +14,7 @@ TAG_ROOM_MM = 14.0  # a tag of 10 mm and its white margins
 
 
 class BookSpec(FileModel):
-    """Book: text on its spine, and its dimensions."""
+    """Book of a world's file, with its dimensions, and the tag and label on its spine."""
 
     accession: Annotated[int, Field(ge=0)]
     """Number that its tag encodes."""

@@ -65,15 +65,15 @@ def draw_spine(
         width_mm: thickness of the book, in [mm].
         height_mm: height of the book, in [mm].
         colour_grey: grey of the cover, 0 to 255.
-        tag_id: number of its tag; None: it has no tag.
-        call_number: text of its label; None: it has no label.
+        tag_id: number of the tag on the spine; None: no tag.
+        call_number: text of the label on the spine; None: no label.
         font: path of a TTF, or the name of one of matplotlib's fonts.
         px_per_mm: resolution, in [px/mm].
         smear: True to make the tag unreadable.
         seed: decides the cover's grain, bands and title.
         family: family of the tag.
         label_mm: width of the label, in [mm].
-        lines: 1, or one line of the label for each word.
+        lines: number of lines on the label, 1 or 2; with 2, each word has a line.
 
     Raises:
         ValueError: tag or label don't fit the spine.
@@ -109,7 +109,7 @@ def draw_label(
         font: name of a font of matplotlib, or path of a file.
         px_per_mm: resolution, in [px/mm].
         width_mm: width across the spine, in [mm].
-        lines: 1, or 2 for one line for each word.
+        lines: number of lines, 1 or 2; with 2, each word has a line.
 
     Raises:
         ValueError: the text is too long for the longest label.

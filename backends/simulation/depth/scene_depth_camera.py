@@ -26,10 +26,10 @@ Body = tuple[Box | Cylinder, Material]
 
 
 class SceneDepthCamera(SimulatedDepthCamera):
-    """Depth camera that casts rays at the scene's boxes and a level floor; brightness is that of the scene's
-    painter.
+    """Depth camera that casts rays at the scene's boxes and a level floor.
 
-    Not shown, as in pictures of the grey camera: the arm beyond its fingers, the base, and rough ground.
+    Its picture has the brightness that the grey camera's renderer paints. As there, the arm except for its
+    fingers, the base and rough ground are not shown.
     """
 
     @classmethod

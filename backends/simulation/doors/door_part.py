@@ -39,14 +39,14 @@ class DoorPart(PrintedThing):
 
     @property
     def is_handle(self) -> bool:
-        """True for the handle."""
+        """True if this part is the handle of the door, False for its front."""
         return self.part == HANDLE
 
     @property
     def size(self) -> tuple[float, float, float]:
-        """Lengths along x, y, z of its frame, in [m].
+        """Lengths along x, y, z of the part's frame, in [m].
 
-        Thickness, width and height of a front; diameter, diameter and length of a handle.
+        They are thickness, width and height of a front, or diameter, diameter and length of a handle.
         """
         handle = self.spec.handle
         if self.is_handle:

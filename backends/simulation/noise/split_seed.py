@@ -54,8 +54,14 @@ class SplitSeed(int):
         return SplitSeed(int(self), (*self._branches, SeedBranch(number, dict(self._drawn))))
 
     def branch(self, purpose: str, period: int) -> int:
-        """Return the number of the branch that a draw belongs to, 0 for the plain seed, and record the
-        draw.
+        """Return the number of the branch that a random draw belongs to, and record the draw.
+
+        Args:
+            purpose: purpose of the draw (a sensor, an error), as in `keyed`.
+            period: number of the period in which the draw is made.
+
+        Returns:
+            Number of the branch; 0 for a draw that equals that of the original run.
         """
         purpose = self._prefix + purpose
         self._drawn[purpose] = max(period, self._drawn.get(purpose, period))

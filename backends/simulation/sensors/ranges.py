@@ -22,7 +22,7 @@ def cast_rays(plan: FloorPlan, sensor: Pose2, angles: FloatArray, time: float, r
         plan: outlines at the sensor's height.
         sensor: world_T_sensor.
         angles: (n,) of the beams in the sensor frame, in [rad], counter-clockwise from its x axis.
-        time: simulated time in [s], which decides which surprises are present.
+        time: simulated time in [s], which decides which surprises (unmapped obstacles) are present.
         reach: maximum range, in [m].
     """
     ranges = np.full(len(angles), np.inf)

@@ -27,7 +27,7 @@ class NotSimulated(InputError):
 
 
 class SensorMaker(NamedTuple):
-    """Function that builds a simulated sensor."""
+    """Function that builds a simulated sensor, and whether the simulation has to be at rest before."""
 
     build: Callable[[SensorSite[Any]], SimulatedSensor]
     settled_first: bool

@@ -13,14 +13,14 @@ from handcart.robotics.geometry.transform import Transform
 
 
 def true_camera(spec: CameraSpec, mount: CameraMount, errors: Errors, seed: int) -> MountedCamera:
-    """Return the camera that takes the pictures; its errors are drawn once for a seed.
+    """Return the true lens and mounting of a simulated camera, with errors drawn once for a seed.
 
-    A calibration does not change it. Only simulation and evaluation may call this.
+    A calibration by the robot does not change them. Only simulation and evaluation may call this function.
 
     Args:
         spec: section of the camera in the robot's file.
         mount: place of the camera by the URDF.
-        errors: sizes of the errors of mount and focal length.
+        errors: standard deviations of the errors of mount and focal length.
         seed: seed of the errors.
     """
     stated, off = stated_camera(spec, mount), mount_error(errors, seed)
@@ -34,7 +34,7 @@ def mount_error(errors: Errors, seed: int) -> Transform:
     drawn once for a seed.
 
     Args:
-        errors: sizes of the errors of the mount.
+        errors: standard deviations of the errors of the mount.
         seed: seed of the draw.
     """
     shift, turn = keyed(seed, "camera mount").standard_normal((2, 3))

@@ -84,7 +84,7 @@ class Canvas:
             levels: the same picture (h, w) in falling resolution, each with the size of a pixel, in [m].
             face: (4, 4) pose in the world: origin at the picture's upper left corner, x along its rows, y
                 down its columns.
-            shade: changes the greys of the picture to those in its light; None: it is drawn as it is.
+            shade: function that changes the greys of the picture by the light on it; None: no change.
         """
         size = np.array([levels[0][0].shape[1], levels[0][0].shape[0]]) * levels[0][1]
         corners = face[:3, 3] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * size @ face[:3, :2].T

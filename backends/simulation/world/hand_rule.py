@@ -27,8 +27,9 @@ class Met(NamedTuple):
 
 
 class HandRule:
-    """Rule that replaces rigid geometry between the hand and a domain's things; by default it decides
-    nothing.
+    """Rule for contacts between the hand and the things of an application domain, instead of rigid geometry.
+
+    A subclass overrides the methods; by default all contacts follow rigid geometry.
 
     In each motion of the arm, `aim`, `decides`, `meet` and `carry` are called in this order.
     """

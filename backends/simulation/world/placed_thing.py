@@ -60,11 +60,11 @@ class PlacedThing(Thing):
 
     @classmethod
     def set_down(cls, scene: Scene, spec: PlacedSpec, seed: int, **others: Any) -> Self:
-        """Return a thing that a person sets down on a table or the robot's tray, slightly off its place.
+        """Return a thing that a person sets down on a table or the robot's tray, with small random errors.
 
         Args:
-            scene: scene with the robot in place; its file has the sizes of the errors.
-            spec: the thing, and its pose.
+            scene: scene with the robot in place; its file has the standard deviations of the errors.
+            spec: the thing, and its nominal pose.
             seed: seed of the errors.
             others: further fields of the class.
         """

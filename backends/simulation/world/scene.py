@@ -138,7 +138,7 @@ class Scene:
         self.held = self.thing_named(name)
 
     def thing_named(self, name: str | None) -> Thing | None:
-        """Return a thing by its name; None for None.
+        """Return a thing by its name; None if `name` is None.
 
         Raises:
             NotAState: no thing has that name.
@@ -184,11 +184,11 @@ class Scene:
         return kind.none_in(self) if found is None else found
 
     def things(self) -> list[Thing]:
-        """Return all that hands can carry."""
+        """Return all things in the world that hands can carry."""
         return [thing for props in self.props.values() for thing in props.things()]
 
     def props_of(self, thing: Thing) -> SceneProps:
-        """Return the collection, of one domain, that a thing belongs to."""
+        """Return the things (see `Props`) of the application domain to which a thing belongs."""
         known = self._owners.get(id(thing))
         if known is None or known[0] is not thing:
             owner = next(
@@ -203,8 +203,9 @@ class Scene:
         return [thing for props in self.props.values() for thing in props.things() if thing.rest is tray]
 
     def felt_force(self) -> FloatArray:
-        """Return the force (3,) on the hand, in the hand frame, in [N]: contacts, felt weights, and forces of
-        props.
+        """Return the force (3,) that the hand's sensor feels, in the hand frame, in [N], without noise.
+
+        It is the sum of contact forces, weights that the sensor feels, and forces of domains' things.
         """
         force = self.hand_force
         for props in self.props.values():
@@ -215,7 +216,7 @@ class Scene:
         return force
 
     def truth(self) -> GroundTruth:
-        """Return a copy of the true state of everything."""
+        """Return a copy of the true state of the robot and all bodies."""
         bodies = {thing.name: self._body(thing) for thing in self.things()}
         slides = np.array(self.robot.joint_units.slides[: self.joints.size], dtype=np.bool_)
         bumps = sum(contact.body == "base" for contact in self.contacts)

@@ -29,7 +29,7 @@ class SceneProps(ABC):
     @classmethod
     @abstractmethod
     def none_in(cls, scene: Any) -> Self:
-        """Return the empty props of a `Scene` whose world's file has no keys of the domain."""
+        """Return an empty collection of the domain's things, for a `Scene` whose file has no such keys."""
 
     def things(self) -> Iterable[Thing]:
         """Return the things that hands can carry, in a fixed order."""
@@ -55,7 +55,7 @@ class SceneProps(ABC):
         """Begin a period: update things that move or change without the robot."""
 
     def hand_force(self) -> FloatArray:
-        """Return the force (3,) that the props add to the hand's reading, in the hand frame, in [N]."""
+        """Return the force (3,) on the hand from the domain's things, in the hand frame, in [N]."""
         return np.zeros(3)
 
     # Props in a hand without physics

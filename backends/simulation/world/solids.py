@@ -78,7 +78,7 @@ def of_wall(wall: Wall, index: int) -> Solid:
 
 
 def of_furniture(piece: Furniture) -> Solid:
-    """Return a piece of furniture, or a surprise with its times."""
+    """Return a piece of furniture, or a surprise (unmapped obstacle) with its times, as a solid."""
     middle = piece.above_m + piece.size_m[2] / 2
     pose = Pose2(piece.x_m, piece.y_m, math.radians(piece.heading_deg)).lift(middle)
     box = Box(pose, piece.size_m, piece.name)
@@ -89,7 +89,7 @@ def of_furniture(piece: Furniture) -> Solid:
 
 
 def of_table(table: TableSpec) -> tuple[Solid, Solid]:
-    """Return a table's pedestal and slab."""
+    """Return a table as two solids, its pedestal and its slab."""
     pose = Pose2(table.x_m, table.y_m, math.radians(table.heading_deg))
     length, width, top = table.size_m
     under = top - table.slab_m

@@ -104,9 +104,9 @@ class Thing(ABC):
     def faces(self) -> Mapping[Side, ByteArray]:
         """Return the grey pictures (h, w) printed on the thing's sides; sides without a picture are plain.
 
-        Each picture fills its side.
-        Pictures are as seen from outside, z up; "+z" from above and "-z" from below, x to the right. This is
-        called for each image that is taken: the pictures may change, but the set of printed sides must not.
+        Each picture fills its side, as seen from outside with z up; "+z" is seen from above and "-z" from
+        below, x to the right. This method is called for each image that is taken: the pictures may change,
+        but the set of printed sides must not.
         """
         return {}
 

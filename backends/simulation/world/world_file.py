@@ -68,7 +68,7 @@ class Furniture(FloorPose):
 
 
 class Surprise(Furniture):
-    """A box that no map shows; with times, a person who comes and leaves."""
+    """Obstacle, a box, that no map shows; with times it appears and disappears, as a person does."""
 
     appears_s: Seconds | None = None
     """Simulated time at which it appears (default: present from the start)."""
@@ -145,9 +145,9 @@ class KidnapSpec(FileModel):
 
 
 class WorldFile(FileModel):
-    """The surroundings of the robot: the keys that every world may have.
+    """Content of a world's file, the simulated surroundings of the robot, with keys for every world.
 
-    `handcart.backends.simulation.world_files.world_model` adds the domains' keys.
+    `handcart.backends.simulation.world_files.world_model` adds the keys of application domains.
     """
 
     format: Literal["handcart-world/1"]
@@ -181,8 +181,11 @@ class WorldFile(FileModel):
 
 
 def each_once(what: str, names: Iterable[str]) -> None:
-    """Raise ValueError, as a model's validator does, if a name occurs twice; `what` is their noun in the
-    message.
+    """Raise ValueError if a name occurs twice; for use in a pydantic validator.
+
+    Args:
+        what: kind of the named things, for the message.
+        names: names to check.
     """
     twice = sorted(name for name, times in Counter(names).items() if times > 1)
     if twice:

@@ -22,7 +22,7 @@ MOVED_M = 0.001
 
 
 class GripperRung(Rung[RosSite]):
-    """Step that opens the fingers to two widths, and compares command, reading and a ruler."""
+    """Bring-up step that opens the fingers to two widths, and compares command, reading and a ruler."""
 
     name = "gripper"
     summary = "the fingers at two widths: command, reading and a ruler agree, and the fingers follow in time"

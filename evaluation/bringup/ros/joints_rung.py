@@ -51,7 +51,7 @@ class JointTrial(NamedTuple):
 
 
 class JointsRung(Rung[RosSite]):
-    """Step that moves each joint a little, and compares command, reading and what a person sees."""
+    """Bring-up step that moves each joint a little, and compares command, reading and visible motion."""
 
     name = "joints"
     summary = "each joint a little: command, joint_states and what is seen agree in sign, size and time"

@@ -41,7 +41,7 @@ class ActionEnd(NamedTuple):
 
 @dataclass(frozen=True)
 class Trial:
-    """One run of a campaign."""
+    """Result of one trial of a campaign, with its seed, summary and ended actions."""
 
     seed: int
     status: int
@@ -62,7 +62,7 @@ class Trial:
 
     @property
     def run_name(self) -> str:
-        """Name of the run's folder; empty without one."""
+        """Name of the run's folder; empty if the trial has no folder."""
         return PurePath(str(self.summary.get("run_dir") or "")).name
 
     @property

@@ -86,10 +86,8 @@ class TrialFile(Sequence[Trial]):
 class TrialLog:
     """Log file of a campaign's trials, a context manager that lets one process at a time append to it.
 
-    It holds each seed once.
-
-    An incomplete last line, left by a crash, is removed when the log is opened. Any other damage is an
-    error.
+    It holds each seed once. An incomplete last line, left by a crash, is removed when the log is opened. Any
+    other damage is an error.
     """
 
     def __init__(self, path: Path, sync: bool = True) -> None:

@@ -41,7 +41,7 @@ class Learned:
 
     @classmethod
     def read(cls, task: Task, folders: Sequence[Path]) -> Learned:
-        """Read campaign folders.
+        """Read the trials in campaign folders, as far as they contain a task's actions.
 
         Raises:
             NoCampaign, TrialLogError: a folder cannot be read.
@@ -92,7 +92,7 @@ class Learned:
         return [name for number, name in enumerate(action_names(self.task)) if odds.unknown(number)]
 
     def words(self) -> Iterator[str]:
-        """Yield a summary as lines of text."""
+        """Yield lines of text about the prediction, its cross-validation, and actions without data."""
         low, high = self.prediction.success_95
         short, long = self.prediction.time_95_s
         count = len(self.seen.success)
@@ -107,7 +107,7 @@ class Learned:
             yield f"  never started in them, so a walk that comes to it ends: {name}"
 
     def facts(self) -> dict[str, object]:
-        """Return the summary as JSON values."""
+        """Return the prediction's intervals, its cross-validation and actions without data as JSON values."""
         return {
             "trials": len(self.seen.success),
             "success_95": self.prediction.success_95,

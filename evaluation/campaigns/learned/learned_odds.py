@@ -69,7 +69,7 @@ class LearnedOdds:
         Args:
             action: (n,) indices of the actions in the network.
             context: (n,) code of the action's earlier Fails and of a Fail just before, by `context_of`.
-            ends: (n,) how they end, as an `EndCode`.
+            ends: (n,) how the actions end, as an `EndCode`.
             drawn: (n,) random numbers, uniform in [0, 1).
         """
         seconds = np.zeros(len(action))
@@ -111,7 +111,10 @@ class _Drawers(NamedTuple):
 
 
 def best_pooling(task: Task, seen: SeenActions) -> float:
-    """Return the pooling weight with the largest likelihood in a five-fold cross-validation."""
+    """Return the pooling weight w of `LearnedOdds` with the largest likelihood in a cross-validation.
+
+    The cross-validation is five-fold.
+    """
     scores = dict.fromkeys(POOLING_WEIGHTS, 0.0)
     numbers = np.arange(len(seen.success))
     for fold in range(_FOLDS):

@@ -69,7 +69,7 @@ class Population(NamedTuple):
 
 
 def split(runs: Runs, count: int, draws: np.random.Generator) -> Population:
-    """Continue a population from level to level until no run reaches another one.
+    """Run a population from level to level (multilevel splitting) until no run reaches the next level.
 
     Args:
         runs: runs that have not started.

@@ -18,7 +18,7 @@ MAX_RUNS = 1_000_000
 
 
 class NoRareEvent(InputError):
-    """Error: the requested event is not an outcome of a run; nothing has moved."""
+    """Error for a requested rare event that is not an outcome of a run; raised before any run."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,10 @@ class RareEvent:
 
     @classmethod
     def of(cls, outcome: str, importance: str | None = None, runs: int | None = None) -> RareEvent:
-        """Create an event from command-line values, None for a default; raise `NoRareEvent` if one is
-        invalid.
+        """Create an event from command-line values; None selects a default.
+
+        Raises:
+            NoRareEvent: a value is invalid.
         """
         importance, runs = importance or cls.importance, cls.runs if runs is None else runs
         for given, known, option in (

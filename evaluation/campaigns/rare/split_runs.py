@@ -39,8 +39,9 @@ class Stopped(NamedTuple):
 
 
 class SplitRuns:
-    """Runs of a robot, with folders and checkpoints, that can be stopped at a level and continued from
-    there.
+    """Runs of a simulated robot that can be stopped at a level of importance and continued from it.
+
+    They have folders and checkpoints on disk.
     """
 
     def __init__(

@@ -44,7 +44,7 @@ class FaultTrial(NamedTuple):
 
     @property
     def title(self) -> str:
-        """Number and name of the action; its name alone for a primitive alone."""
+        """Number and name of the action; only the name if the primitive was run without a task."""
         return f"{self.action}. {self.primitive}" if self.action else self.primitive
 
 
@@ -121,8 +121,11 @@ class Batch:
 
 
 def spread(count: int, periods: int) -> Sequence[int]:
-    """Return at most `count` instants, evenly over a run of `periods`; instant 0, before the start, is
-    excluded.
+    """Return at most `count` instants, as numbers of periods, evenly distributed over a run of an action.
+
+    Args:
+        count: largest number of instants.
+        periods: number of periods of the run; instant 0, before its start, is excluded.
     """
     instants = np.linspace(1, max(2, periods), count, endpoint=False)
     return sorted({int(instant) for instant in instants})

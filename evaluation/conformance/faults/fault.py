@@ -99,7 +99,7 @@ def variant(kind: FaultKind, number: int, sensors: Sequence[str] = ()) -> Fault:
 
     Args:
         kind: kind of fault.
-        number: number of the variant, from 0; beyond the last one they repeat.
+        number: number of the variant, from 0; numbers beyond the last variant begin again at the first.
         sensors: sensors that may be affected; empty for all.
     """
     sensors = sensors or all_sensors()

@@ -24,11 +24,11 @@ CPU_LIMIT_RATIO = 0.9  # of that CPU time has passed at its end: the system coun
 
 
 class Hung(Exception):
-    """Error: a forked copy of the process did not end in time."""
+    """Error for a forked copy of the process that did not end in time."""
 
 
 class Died(Exception):
-    """Error: a forked copy of the process ended in an exception; the message is its traceback."""
+    """Error for a forked copy of the process that ended in an exception, whose traceback is the message."""
 
 
 def forked(work: Callable[[], T], kind: type[T], seconds: float) -> T:
@@ -38,12 +38,12 @@ def forked(work: Callable[[], T], kind: type[T], seconds: float) -> T:
 
     Args:
         work: function to run.
-        kind: type of its result, one that `plain_values` knows.
-        seconds: limit of its CPU time, in [s]; ten times as much by the wall clock.
+        kind: type of the function's result, which `plain_values` must support.
+        seconds: limit of the copy's CPU time, in [s]; the limit by the wall clock is ten times as long.
 
     Raises:
-        Hung: it took longer and was ended.
-        Died: it raised an exception or ended the process.
+        Hung: the copy took longer and was ended.
+        Died: the function raised an exception or ended the copy.
     """
     ours, theirs = os.pipe()
     child = os.fork()

@@ -26,7 +26,7 @@ EXPLORE_TASK = TASKS_FOLDER / "drive_map" / "explore.yaml"
 
 
 class NoRehearsal(Exception):
-    """Error: a task does not succeed although no fault was injected."""
+    """Error for a task that does not succeed although no fault was injected."""
 
 
 @dataclass(frozen=True)

@@ -155,7 +155,7 @@ class Hangs(Reach):
 
 
 class RunsIntoThings(Reach):
-    """Mutant primitive that restores by driving into a wall, past the guard of the base."""
+    """Mutant primitive that restores by driving into a wall, bypassing the collision guard of the base."""
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
