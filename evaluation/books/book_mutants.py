@@ -33,7 +33,7 @@ PICK_UP_NUMBER = 2
 
 
 class DropsObject(PickUp):
-    """Faulty PICK_UP that opens the hand, and so drops the book, before the arm moves back."""
+    """Faulty PICK_UP that, after a failure, opens the hand and so drops the book before the arm returns."""
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:

@@ -87,7 +87,7 @@ class KitSetting:
         ]
 
     def tried(self) -> list[str]:
-        """Return the names of the primitives in the tasks, into which the kit can inject faults."""
+        """Return the names of the primitives into which the kit can inject faults, such as REACH."""
         return sorted({name for _, _, name in self._actions})
 
     @cached_property

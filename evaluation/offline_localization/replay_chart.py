@@ -24,7 +24,7 @@ CLAIM_SIGMAS = 3.0
 
 
 def draw_replay(replayed: Replayed, path: Path, title: str) -> None:
-    """Draw track, claimed uncertainty, fixes, reference and particles, and the errors over time.
+    """Draw a replay: track, claimed uncertainty, fixes, reference and particles, and errors over time.
 
     Args:
         replayed: the replay.

@@ -60,8 +60,9 @@ def _body_faults(link: LinkFacts, mass: float, bodies: Sequence[Shape]) -> list[
 
 
 def corners_of(shape: Shape) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
-    """Return points (n, 3) whose convex hull is a body (a round one to 2 %), in the frame of its pose, in
-    [m].
+    """Return points (n, 3) whose convex hull is a body, in the frame of the body's pose, in [m].
+
+    For a round body the hull is exact to 2 %.
     """
     match shape:
         case Hull():

@@ -112,7 +112,10 @@ class SeamSurvey(Survey):
         self.stretches = [_again(notes, self.run.robot.arm_model.dof) for notes in noted]
 
     def errors(self) -> list[tuple[FloatArray, FloatArray]]:
-        """Return the tool's distances (k,) from the seam, in [m], with times (k,) in [s], for each TRACK."""
+        """Return times (k,) in [s] and the tool's distances (k,) from the seam in [m], for each good TRACK.
+
+        A TRACK is good if it ended in Success.
+        """
         return [
             (np.array(stretch.times), distances(np.array(stretch.tips), stretch.part.points))
             for stretch in self.stretches

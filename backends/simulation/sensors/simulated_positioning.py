@@ -21,8 +21,8 @@ _ROUNDING = 1e-9
 class SimulatedPositioning(Positioning, SimulatedSensor):
     """Simulated external positioning system, which reports the robot's true pose with white noise.
 
-    It measures at its own rate and reports after its latency. The robot is always in its sight, it has no
-    outliers, and its frame is that of the map.
+    It measures at its own rate and reports after its latency. The robot is always in its sight, its readings
+    have no gross errors, and its frame is that of the map.
     """
 
     SETTLED_FIRST = True

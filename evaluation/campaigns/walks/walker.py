@@ -102,7 +102,7 @@ class Walker:
         )
 
     def stride(self, moment: Int32Array, after_fail: BoolArray, drawn: FloatArray) -> Stride:
-        """Draw the outcome and duration of the next action of each walk, and return its next state.
+        """Draw the outcome and duration of each walk's next action; return them with the next states.
 
         Args:
             moment: (n,) numbers of the walks' states in the table.

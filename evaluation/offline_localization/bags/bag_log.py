@@ -45,7 +45,7 @@ class _Row(NamedTuple):
 def read_bag_log(path: Path, reference: str | None = None, stamps: Stamps = "header") -> DriveLog:
     """Read the log in a bag: its first Odometry topic, and its first Imu and NavSatFix topics if present.
 
-    The IMU's axes are assumed to be the base's, and Odometry's twist to be its speed and turn rate.
+    The IMU's axes are assumed to be the base's, and Odometry's twist to be the base's speed and turn rate.
     Without an Imu topic the turn rate of the twist is used.
 
     Args:

@@ -25,7 +25,7 @@ SETTING_NAMES = ("tread_m", "wheelbase_m")
 
 
 def named_columns(text: str) -> Loaded[LogHeader]:
-    """Return the header given by `QUANTITY=COLUMN[:UNIT],...`.
+    """Parse the definition `QUANTITY=COLUMN[:UNIT],...` of a log's columns to a header.
 
     Without a unit, a column is in the first unit of its quantity: s, m, m/s, rad/s, deg for latitudes
     and longitudes.

@@ -37,9 +37,9 @@ def diagnostics_message(link: ServingLink, hardware: str, status: Mapping[str, A
     """Return a ROS message `DiagnosticArray` with the status of a run as its only entry.
 
     Args:
-        link: makes the message.
+        link: connection to ROS 2, which creates the message.
         hardware: name of the robot.
-        status: as the run's own node publishes it.
+        status: status of the run, as the run's own node publishes it.
     """
     entry = link.message("diagnostic_msgs/DiagnosticStatus")
     entry.name, entry.hardware_id = "handcart: run", hardware

@@ -54,7 +54,7 @@ class Door:
         link.serve(f"{SERVICE_PREFIX}/stop", self._stop, apart=True)
 
     def status(self) -> dict[str, Any]:
-        """Return the run's status; with the key `error` if it does not answer."""
+        """Return the status of the run; it has the key `error` if the run does not answer."""
         try:
             status = ask(self._folder, {"do": "status", "by": SENDER_NAME}, ANSWER_TIMEOUT_S)
         except HandcartError as error:

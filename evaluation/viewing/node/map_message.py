@@ -18,7 +18,7 @@ FREE, OCCUPIED, UNKNOWN = 0, 100, -1
 
 
 def map_message(link: ServingLink, grid: GridMap) -> Any:
-    """Return an `OccupancyGrid` of a map."""
+    """Return the ROS message `OccupancyGrid` of a map."""
     message = link.message("nav_msgs/OccupancyGrid")
     message.header.frame_id = MAP_FRAME
     set_stamp(message.header, link.now())

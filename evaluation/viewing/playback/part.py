@@ -27,7 +27,7 @@ SHAPES_ADAPTER = TypeAdapter(list[ThingShape])
 class RecordingPart(NamedTuple):
     """State, scans, particles, pictures and things in one part (one file) of a run's recording.
 
-    All times are on the robot's clock, in [s], and ascending.
+    Times are on the robot's clock, except for `world_time`, in [s], and ascending.
     """
 
     time: FloatArray

@@ -14,7 +14,7 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 @dataclass(frozen=True)
 class Frame:
-    """State of a run at one time, to be drawn onto a page; what belongs to a None field is not redrawn."""
+    """State of a run at one time, to be drawn; the drawing of a field that is None stays unchanged."""
 
     moment: PlaybackMoment
     situation: str
