@@ -15,8 +15,9 @@ MAX_BYTES = 1 << 22
 
 
 class CsvRow(NamedTuple):
-    """Row of a CSV file, with the line in which it ends and the column in which each cell begins, both from
-    1.
+    """Row of a CSV file, with the line in which it ends and the column in which each cell begins.
+
+    Lines and columns count from 1.
     """
 
     line: int

@@ -16,9 +16,9 @@ from handcart.files.printable import printable
 
 
 class HandcartError(Exception):
-    """Base class of all errors by which handcart refuses something or cannot do it.
+    """Base class of all errors that handcart raises, for invalid input or a failed operation.
 
-    It is never used for an expected end of a motion.
+    A motion that ends as expected, even unsuccessfully, returns its outcome and raises none of them.
     """
 
     exit_status: ClassVar[int] = 5

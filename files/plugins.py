@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 def entry_points_of(group: str) -> list[EntryPoint]:
     """Return the entry points of a group in the installed packages, sorted by name.
 
-    The standard library reads every package's, and takes longer to import than all of `handcart --help`:
-    it is used only if a package has the group at all.
+    The standard library's `importlib.metadata` reads the entry points of every package, and importing it
+    takes longer than all of `handcart --help`. It is used only if an installed package has this group.
     """
     if not any(_may_have(folder or ".", f"[{group}]") for folder in sys.path):
         return []
@@ -59,7 +59,7 @@ def check_name(name: str, group: str, own: Mapping[str, str]) -> None:
         own: shipped names with their import paths.
 
     Raises:
-        BrokenPlugin: several have this name.
+        BrokenPlugin: several different objects have this name.
     """
     points = [point for point in entry_points_of(group) if point.name == name]
     others = [f"{point.value}{package_of(point)}" for point in points if point.value != own.get(name)]

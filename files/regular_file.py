@@ -51,10 +51,10 @@ def read_regular_file(path: Path | str, max_bytes: int) -> bytes:
 
 
 def open_regular(path: Path | str) -> BinaryIO:
-    """Open a regular file for reading; a pipe without a writer is not waited for.
+    """Open a regular file for reading, without waiting if the path is a pipe without a writer.
 
     Raises:
-        OSError: it cannot be opened, or is not a regular file.
+        OSError: the file cannot be opened, or is not a regular file.
     """
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY)
     try:

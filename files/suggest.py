@@ -15,8 +15,9 @@ _MAX_ENTRIES = 5000  # of a folder that are looked at
 def suggest(name: str, allowed: Iterable[str]) -> str:
     """Return the second half of a message about an unknown name.
 
-    Such as `"; did you mean 'speed'? allowed: place, speed"`. The question is there only if an allowed name
-    is similar. The list has the given order and is cut after twelve names; without any it is `nothing`.
+    An example is `"; did you mean 'speed'? allowed: place, speed"`. The text contains the question only if an
+    allowed name is similar. Allowed names are listed in the given order, at most twelve of them; without any
+    allowed name, the text ends in `allowed: nothing`.
 
     Args:
         name: the unknown name.
@@ -54,9 +55,10 @@ def listed(names: Iterable[str]) -> str:
 
 
 def similar_file(path: Path) -> Path | None:
-    """Return the regular file most like a path that is missing: the same but for case, or a near name.
+    """Return the existing regular file most similar to a missing path; None if there is none.
 
-    Folders are compared by case alone, because a file of another folder is rarely meant.
+    The file's name may differ in letters, the names of its folders only in upper and lower case, because a
+    user rarely means a file of another folder.
     """
     there = path.parent
     missing: list[str] = []
@@ -75,7 +77,7 @@ def similar_file(path: Path) -> Path | None:
 def did_you_mean(path: Path) -> str:
     """Return "did you mean ...? " for the message of a missing file; "" if no file has a similar name.
 
-    It names the last part of the path, from the first folder on that is spelled differently.
+    The question shows the end of the similar file's path, from the first part that is spelled differently.
     """
     try:
         found = similar_file(path)

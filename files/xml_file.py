@@ -32,7 +32,7 @@ Check = Callable[[XmlTag], Iterable[str]]
 
 
 def read_xml_text(path: Path | str, check: Check | None = None, max_bytes: int = MAX_BYTES) -> str:
-    """Return the text of an XML file in UTF-8, found well-formed.
+    """Return the text of an XML file in UTF-8, after checking that it is well-formed.
 
     Args:
         path: the file.

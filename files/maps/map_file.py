@@ -73,7 +73,7 @@ class MapFile(FileModel):
 
 
 class OccupancyFile(NamedTuple):
-    """Content of a map file, independent of its use."""
+    """Occupancy values of a map file, with their resolution and origin."""
 
     values: Int8Array
     """(h, w) in percent, -1 for unknown, row 0 at the bottom."""
@@ -103,7 +103,7 @@ def is_map_file(path: Path) -> bool:
 def map_path(root: Path, name: str, *, start: Path) -> Path:
     """Return the path of a map that another file names.
 
-    Maps of ROS have their own folders, so an absolute path is allowed as well if there is a map.
+    Maps made with ROS are often in another folder, so the absolute path of an existing map is allowed too.
 
     Args:
         root: folder that must contain a map with a relative path.
@@ -111,7 +111,7 @@ def map_path(root: Path, name: str, *, start: Path) -> Path:
         start: folder inside `root` that a relative path starts from.
 
     Raises:
-        UnsafePath: the path leads elsewhere.
+        UnsafePath: a relative path leads out of `root`, or an absolute one is not that of a map.
     """
     if name.startswith("/"):
         with suppress(FileError):
@@ -121,7 +121,7 @@ def map_path(root: Path, name: str, *, start: Path) -> Path:
 
 
 def load_map(path: Path) -> tuple[GridMap, str | None]:
-    """Return a map, and a warning if it deserves one.
+    """Return the occupancy grid of a map file, and a warning about the file (None: no warning).
 
     Raises:
         FileError: the file or its picture is missing or wrong.

@@ -35,7 +35,7 @@ def write_grid(path: Path, grid: GridMap) -> None:
 
 
 def trajectory_csv(times: FloatArray, poses: FloatArray, covariances: FloatArray) -> str:
-    """Return the pose of each keyframe with its covariance, one row each.
+    """Return a table in CSV with a row for each keyframe: its time, pose and covariance.
 
     Args:
         times: (n,) in [s].

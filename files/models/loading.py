@@ -128,7 +128,10 @@ def _adapter(model: Any) -> TypeAdapter[Any]:
 
 
 def collect(findings: Findings, document: Document, path: KeyPath, model: Any, context: object = None) -> Any:
-    """Return the same as `load_part`; None after an error, whose findings are added to `findings`."""
+    """Return a part of a document as a value of type `model`; add all its errors to `findings`.
+
+    The result is None after an error.
+    """
     try:
         return load_part(document, path, model, context)
     except FileError as error:

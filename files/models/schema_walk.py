@@ -23,9 +23,9 @@ _ANY: Schema = {"type": "any"}
 class SchemaPlace:
     """Location of an error: the `path` in the file, and the schema of the value that belongs there.
 
-    `parent` is the schema of the list or mapping around it. `unions` holds, for each union without a tag
-    on the path, its path and the label of its tried member. `key` is true if the error is about the key,
-    not its value.
+    `parent` is the schema of the list or mapping around that value. A union without a tag allows several
+    types, and pydantic reports errors for each. `unions` holds the path of each such union above the value,
+    with pydantic's label of the type. `key` is true if the error is about the key, not its value.
     """
 
     path: KeyPath
@@ -56,7 +56,7 @@ class SchemaWalk:
         return place
 
     def bare(self, schema: Schema) -> Schema:
-        """Return the schema without defaults, validators of one's own and references around it."""
+        """Return the inner schema of a value: references resolved, defaults and custom validators removed."""
         while True:
             if schema["type"] == "definition-ref":
                 schema = self._definitions.get(schema["schema_ref"], _ANY)

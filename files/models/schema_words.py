@@ -22,7 +22,7 @@ _KINDS = {
 
 
 def shown(value: object) -> str:
-    """Return a value of a file as a message names it: short, on one line."""
+    """Return a short description of a value for messages, on one line, such as "a list of 3"."""
     match value:
         case None:
             return "empty"

@@ -26,13 +26,13 @@ def split_setting(text: str) -> tuple[str, str]:
 
 
 def setting_value(key: str, text: str) -> Node:
-    """Parse `text` as the value of `key`.
+    """Parse `text`, given for `key` on the command line, as a YAML value.
 
-    An unquoted word is resolved by the rules for such words; lists, mappings and quoted text are parsed as
-    in a file. Later findings about the node are reported as `--set KEY=VALUE: ...`.
+    An unquoted word becomes a constant, a number or text, as in a file; lists, mappings and quoted text are
+    parsed as in a file, too. Later findings about the value are reported as `--set KEY=VALUE: ...`.
 
     Raises:
-        FileError: the text is not a value.
+        FileError: the text is not valid YAML, or a word whose meaning is unclear.
     """
     name = f"--set {key}={text}"
     try:

@@ -17,7 +17,7 @@ Fact = str | bool | int | float
 
 
 class TableRow(FileModel):
-    """A row of the table of actions: a primitive, and the rows that follow its outcomes."""
+    """Row of an `ActionTable`, with a primitive and the rows that follow its Success and its Fail."""
 
     do: str
     ok: int
@@ -29,7 +29,7 @@ class TableRow(FileModel):
 
 
 class ActionTable(FileModel):
-    """A table of actions; rows that only name an end are in `ends`."""
+    """An action network written as a table of primitives, with the next row after Success and after Fail."""
 
     format: Literal["handcart-table/1"]
     title: str
@@ -64,7 +64,7 @@ def table_errors(loaded: Loaded[ActionTable]) -> list[Finding]:
 
 
 def table_warnings(loaded: Loaded[ActionTable]) -> list[Finding]:
-    """Return the warnings of a table: giving up reported as Fail, missing primitives, unbounded loops."""
+    """Return warnings about a table's Fails that lead to giving up, missing primitives and endless loops."""
     table = loaded.value
     findings = []
     for number, row in table.rows.items():
@@ -110,7 +110,10 @@ def _loops(table: ActionTable) -> list[list[int]]:
 
 
 def table_absorption(table: ActionTable, p: float) -> Absorption:
-    """Return a table's ends and expected number of primitives, each succeeding with probability `p`."""
+    """Return the probabilities of a table's ends and the expected number of primitives that a run starts.
+
+    Each primitive succeeds with probability `p`, and Fails otherwise.
+    """
     rows: dict[str, Mapping[str, float]] = {}
     for number, row in table.rows.items():
         chances: dict[str, float] = {}

@@ -12,7 +12,10 @@ from handcart.networks.task.task_file import Task
 
 
 def aim_findings(task: Task) -> Iterator[Finding]:
-    """Yield the interrupts without a route to their goal, or from there on to the task's goal."""
+    """Yield findings on interrupts whose goal has no route from some situation, or to the task's goal.
+
+    An interrupt is a goal that comes before the task's goal when a condition holds, such as a low battery.
+    """
     network, graph = task.network, ways_of(task.network)
     reached = nx.descendants(graph, network.start) | {network.start}
     leads_on = nx.ancestors(graph, network.goal) | {network.goal}

@@ -12,7 +12,7 @@ from handcart.primitives.contract.raised_causes import possible_causes
 
 
 def cause_findings(task: Task) -> Iterator[Finding]:
-    """Yield the causes in `on_fail` that no attempt can have, by the code of the action's primitive."""
+    """Yield a finding for each cause in an action's `on_fail` that the code of its primitive never gives."""
     kinds = {
         number: action.binding.kind
         for number, action in zip(task.entries, task.network.actions, strict=True)
@@ -29,7 +29,7 @@ def cause_findings(task: Task) -> Iterator[Finding]:
 
 
 def causes_into(network: ActionNetwork, situation: str) -> list[str]:
-    """Return the actions and named causes whose Fails lead to a situation, in words."""
+    """Return the actions that lead to a situation by a Fail, as texts "ACTION by 'CAUSE'"."""
     found = {
         f"{action.do} by {ending.cause!r}"
         for action in network.actions

@@ -15,7 +15,7 @@ from handcart.networks.task.task_model import ConditionFile
 
 
 def condition_findings(task: Task) -> list[Finding]:
-    """Return the actions that never start, the values that never hold, and dead ends."""
+    """Return findings on actions that never start, values that a fact never has, and dead ends."""
     assert isinstance(task.file, ConditionFile)
     return [*_never_started(task), *_never_true(task, task.file), *_dead_ends(task)]
 

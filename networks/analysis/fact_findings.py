@@ -19,9 +19,10 @@ Changes = Mapping[str, tuple[object, object]]
 
 
 def fact_findings(task: Task) -> list[Finding]:
-    """Return findings on facts that an action's primitive cannot change, or changes in no other action.
+    """Return findings on changes of facts by Success that do not suit the action's primitive.
 
-    A Fail that would change facts is rejected already when the file is read.
+    Either the primitive cannot change such a fact, or it does not change it in the task's other actions. A
+    Fail that would change facts is rejected already when the file is read.
     """
     actions = dict(reversed([(e, a) for a, e in zip(task.network.actions, task.entries, strict=True)]))
     found = []

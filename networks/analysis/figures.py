@@ -20,7 +20,10 @@ FORECAST_ASSUMPTION = "attempts are independent of each other, and no Fail is fo
 
 @dataclass(frozen=True)
 class Influence:
-    """Influence of an action of the file on the whole task; in a repeat, of all its elements together."""
+    """Influence of an action of a task file on the ends of the task's runs.
+
+    An action in a `repeat` is copied for each element; the figures are for all copies together.
+    """
 
     entry: int
     """Number of the action in the file."""
@@ -66,12 +69,15 @@ class Figures:
 
 
 def entry_chances(task: Task) -> list[Chance]:
-    """Return the outcome probabilities of each action of the file; 0 where it gives none."""
+    """Return the outcome probabilities of each action of a task file; 0 where the file states none."""
     return [Chance(action.p_success or 0.0, action.p_give_up) for action in task.file.actions]
 
 
 def network_chances(task: Task) -> list[Chance | None]:
-    """Return the outcome probabilities of each action of the network; None for a skip."""
+    """Return the outcome probabilities of each action of the network.
+
+    They are None for a skip, which does nothing but leave an element of a `repeat` undone.
+    """
     known = entry_chances(task)
     return [None if entry is None else known[entry] for entry in task.entries]
 
@@ -91,9 +97,10 @@ def figures(
 
     Args:
         task: the task.
-        effort: budget of the forecast; None: `budget_of`.
-        more: budget of the forecasts with more attempts; None: `budget_of`.
-        forecaster: forecaster of the task's network, which has its budget already; None: a new one.
+        effort: budget of the forecast of the task as it is; None: `budget_of` its network.
+        more: budget of all forecasts with a changed action, those for `Influence.one_more` and
+            `Influence.alternative`; None: `DEFAULT_MAX_STEPS`.
+        forecaster: forecaster of the task's network, used with its own budget; None: a new one.
     """
     known = dict(enumerate(entry_chances(task)))
     budget = effort or Effort(budget_of(task.network))

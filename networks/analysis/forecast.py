@@ -74,10 +74,11 @@ def forecast(network: ActionNetwork, chances: Chances) -> Forecast:
 
 
 class Forecaster:
-    """Forecaster that cuts a network into stages and computes equal stages once.
+    """Computation of a network's forecast, by stages that each successful run passes one after the other.
 
-    A stage's chain has the states (situation, Fails of each action that can still come up). If there are
-    too many, the most likely ones are looked at; `Forecast.unknown` is the probability of the others.
+    Of equal stages only one is computed, as a Markov chain. Its states are a situation and the number of
+    Fails of each action that can still come up. If there are too many states, only the most likely ones
+    are expanded; `Forecast.unknown` is the probability of the others.
     """
 
     def __init__(self, network: ActionNetwork, chances: Chances, effort: Effort | None = None) -> None:
@@ -101,11 +102,11 @@ class Forecaster:
     def forecast(
         self, change: Change | None = None, numbers: Collection[int] = (), effort: Effort | None = None
     ) -> Forecast:
-        """Return how runs end, optionally with a change to the actions with these numbers.
+        """Return the forecast of the network, optionally with some of its actions changed.
 
         Args:
-            change: the change; None: the network as it is.
-            numbers: numbers of the changed actions.
+            change: function that changes actions of a stage; None: the network as it is.
+            numbers: numbers in the network of the actions to change.
             effort: budget of the changed stages; None: that of the forecaster.
 
         Raises:
@@ -131,7 +132,7 @@ class Forecaster:
         self._behind = list(behind)[::-1]
 
     def chains(self) -> Iterator[tuple[Stage, Chain]]:
-        """Yield the stages in the order in which runs pass them, each with its chain."""
+        """Yield the stages in the order in which runs pass them, each with its Markov chain."""
         yield from ((stage, self._chain(stage)) for stage in self._stages)
 
     def starts(self) -> list[float]:

@@ -15,8 +15,9 @@ IN_HAND = ("in hand", "in the hand")
 
 
 def hand_by_facts(facts: Mapping[str, Fact]) -> tuple[Hand, str]:
-    """Return the content of the hand by some facts, and the deciding fact as text; `Hand.ANY` if none
-    decides.
+    """Return whether the facts of a situation say that the hand is full or empty, with the fact as text.
+
+    The result is `Hand.ANY` with an empty text if no fact says so.
     """
     for name, value in facts.items():
         if not isinstance(value, str):

@@ -62,7 +62,10 @@ def hand_findings(task: Task) -> list[Finding]:
 
 
 def denied_hand_facts(task: Task) -> list[Finding]:
-    """Return the facts of situations that contradict how the action before leaves the hand."""
+    """Return findings on facts of a situation that contradict the hand's content after an action.
+
+    The action leads to the situation; its primitive declares whether the hand is then full or empty.
+    """
     uses = _uses(task)
     found: dict[int, Finding] = {}
     for action, entry in zip(task.network.actions, task.entries, strict=True):

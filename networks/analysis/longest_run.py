@@ -11,7 +11,7 @@ from handcart.networks.chains.policy import Policy, State
 class Longest(NamedTuple):
     """Largest numbers of actions that a run through a part of a network can start.
 
-    A number is [-inf] if no run ends in that way.
+    `through` or `ended` is -inf if there is no such run.
     """
 
     through: float
@@ -28,10 +28,10 @@ _NOWHERE = Longest(-math.inf, -math.inf)
 
 
 def longest_run(policy: Policy) -> Longest:
-    """Return the longest run of a policy, computed backwards from its ends.
+    """Return the largest numbers of actions in runs of a policy, computed backwards from the runs' ends.
 
-    The policy should include Fails for good. If chance may lead a run in circles, the length is its bound;
-    for an incomplete policy, the longest known run is returned.
+    The policy should include Fails that use up all attempts at once. If chance may lead a run in circles,
+    both numbers are `ActionNetwork.bound`; for an incomplete policy, they are those of its known runs.
     """
     if policy.circles:
         bound = float(policy.network.bound())

@@ -14,11 +14,14 @@ from .figures import missing_chances, network_chances
 
 
 class NoOutlook(Exception):
-    """Error: nothing can be computed; the message gives the reason."""
+    """Error, because an action of the task has no probability, so that no outlook can be computed."""
 
 
 class Outlook(NamedTuple):
-    """Probabilities that the goal is reached with nothing left undone."""
+    """Probabilities that a run reaches its goal without skipping an element, by the answer to a question.
+
+    The question is whether an action that waits for permission may start.
+    """
 
     permitted: float
     """Probability if the action is permitted now, as well as all later ones."""
@@ -29,7 +32,10 @@ class Outlook(NamedTuple):
 
 
 def outlook(task: Task, situation: str, counts: Mapping[int, int], action: int) -> Outlook:
-    """Return the exact outlook of a waiting action, by the probabilities in the task's file and the rule.
+    """Return the probabilities of the goal if a waiting action is permitted, succeeds, or is refused.
+
+    They are exact for the outcome probabilities in the task's file, if the coordinator decides by the rule
+    (it takes the cheapest route).
 
     Args:
         task: the task of the run.

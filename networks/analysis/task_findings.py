@@ -81,8 +81,8 @@ def unused_findings(task: Task, cases: WorstCases, best: Collection[int] | None 
 
     Args:
         task: the task.
-        cases: its worst cases by the rule.
-        best: numbers of the actions that the best policy does; None if it is not known.
+        cases: worst cases of the task's network, if the coordinator takes the cheapest routes.
+        best: numbers of the actions that the best policy takes; None if that policy is not known.
     """
     network, graph = task.network, ways_of(task.network)
     leads_on = _leading_to(graph, (network.goal,)) - _leading_to(graph, network.otherwise)
@@ -125,5 +125,5 @@ def short_findings(task: Task, cases: WorstCases) -> list[Finding]:
 
 
 def plain_name(task: Task, name: str) -> str:
-    """Return a situation's name as written in the file, without the number of its copy."""
+    """Return a situation's name as written in the file, without the ending that a copy by `repeat` has."""
     return name if task.network.situations[name].element is None else re.sub(r"(\[\d+\])+$", "", name)

@@ -27,8 +27,9 @@ Path = tuple[tuple[int, str], ...]
 
 @dataclass(frozen=True)
 class NoWayLeft:
-    """A run that ends with nothing left to try, with the fewest Fails among those that end in its
-    situation.
+    """A run that ends in a situation because no action is left to try.
+
+    Of all runs that end so in this situation, it is one with the fewest Fails.
     """
 
     situation: str
@@ -64,7 +65,10 @@ class NoWayLeft:
 
 @dataclass(frozen=True)
 class WorstCases:
-    """Worst cases of a network, Fails for good and GiveUps included."""
+    """Longest run, possible ends short of the goal, and unused actions of a network.
+
+    GiveUps and Fails that use up all attempts at once are taken into account.
+    """
 
     longest: int
     """The most actions that a run can start, or a bound on it if parts are too large."""

@@ -17,7 +17,7 @@ from .step_maker import State, Step
 
 
 class ChainEnd(IntEnum):
-    """Kind of end of a run, as a column number."""
+    """Kind of end of a run; the value is the kind's column in arrays of ends, such as `Chain.ended`."""
 
     GOAL = 0
     NO_WAY = 1
@@ -63,7 +63,7 @@ class _Shares(NamedTuple):
 
 
 class ChainRows:
-    """Rows of a chain, in the order of the policy's states."""
+    """Transitions and costs of the Markov chain of a policy, with a row for each state of the policy."""
 
     def __init__(self, policy: Policy, chances: Chances) -> None:
         """Assign numbers to the states, and collect their successors."""

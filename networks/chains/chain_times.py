@@ -20,7 +20,7 @@ _GOAL, _ENDED, _LOST = -1, -2, -3
 
 
 class Quantile(NamedTuple):
-    """A quantile of the time, as an interval if walks came to states that were not looked at."""
+    """Quantile of the time of a run; an interval if random walks came to states missing in the chain."""
 
     low_s: float
     high_s: float
@@ -42,8 +42,8 @@ def time_quantile(
         mean_actions: average number of actions of a run.
         share: share of the runs.
         seed: seed of the walks.
-        calls: True if a person is called in states that were not looked at, so that runs end there; False
-            if they may take any time from there, so that the upper bound may be infinite.
+        calls: True if a person is called in states missing in `chains`, so that runs end there; False
+            if runs may take any time from there, so that the upper bound may be infinite.
     """
     count = int(min(WALK_COUNT, max(100.0, MAX_WALK_STEPS / max(1.0, mean_actions))))
     walks = _Walks(count, np.random.default_rng([23, seed]))

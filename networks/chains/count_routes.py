@@ -40,8 +40,8 @@ class _Way(NamedTuple):
 class RouteFinder:
     """Search for the cheapest routes by relaxation (Bellman, 1958), for many combinations of Fails at once.
 
-    The weights are those of `PlanSearch`: each Fail doubles the weight of an action, and used-up attempts
-    exclude it.
+    As in `PlanSearch`, an action's weight is its cost, which each of its Fails doubles; an action without
+    attempts left is excluded.
     """
 
     def __init__(self, network: ActionNetwork) -> None:
@@ -79,19 +79,20 @@ class RouteFinder:
         return sorted(ways, key=lambda way: (float(far[way.source]), way.source))
 
     def routes(self, counts: Uint16Array) -> CountRoutes:
-        """Return the routes of Successes for combinations of Fails.
+        """Return the cheapest routes on which every action succeeds, for n combinations of earlier Fails.
 
         Args:
-            counts: (n, counters) number of Fails of each counter, in the order of `ActionNetwork.shared`.
+            counts: (n, counters) number of Fails by each counter, in the order of `ActionNetwork.shared`;
+                actions that share their attempts have one counter.
         """
         return self._search(counts, self._plain)
 
     def hoping(self, counts: Uint16Array) -> CountRoutes:
-        """Return the routes that need the fewest Fails.
+        """Return the routes that need the fewest Fails, for use where no route of Successes is left.
 
         Args:
-            counts: (n, counters) number of Fails of each counter, in the order of `ActionNetwork.shared`; no
-                route of Successes is left for them.
+            counts: (n, counters) number of earlier Fails by each counter, in the order of
+                `ActionNetwork.shared`; actions that share their attempts have one counter.
         """
         return self._search(counts, self._hoping)
 

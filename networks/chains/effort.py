@@ -54,9 +54,9 @@ class Effort:
         return self._most - self._spent
 
     def half(self) -> Effort:
-        """Return a budget of at most half of the rest, so that later computations have some, too."""
+        """Return a part of this budget: half of the steps left, so that later computations have the rest."""
         return self.part(0.5)
 
     def part(self, share: float) -> Effort:
-        """Return a budget of at most this share of the rest."""
+        """Return a part of this budget: the given share (0 to 1) of the steps left."""
         return Effort((self._most - self._spent) * share, whole=self)

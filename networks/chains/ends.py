@@ -10,7 +10,7 @@ NEVER_REACHED = Moments(0.0)
 
 
 class Ends(NamedTuple):
-    """Mutually exclusive ends of a part, each with its probability and the cost to reach it."""
+    """Mutually exclusive ends of runs through a part of a network, with their probabilities and costs."""
 
     goal: Moments = NEVER_REACHED
     skipped: Moments = NEVER_REACHED
@@ -23,24 +23,24 @@ class Ends(NamedTuple):
     """The run comes to a state that was not looked at."""
 
     def after(self, step: Moments) -> Ends:
-        """Return the ends of a step followed by this part."""
+        """Return the ends of runs that first make a step, with its probability and cost, then this part."""
         return Ends(*(step.then(item) for item in self))
 
     def plus(self, other: Ends) -> Ends:
-        """Return the ends of either of two mutually exclusive parts."""
+        """Return the ends of runs that pass either this part or another one, by adding both."""
         return Ends(*(a + b for a, b in zip(self, other, strict=True)))
 
     def then(self, rest: Ends) -> Ends:
-        """Return the ends of this part followed, from its goal, by the rest."""
+        """Return the ends of runs through this part that continue, once at its goal, with `rest`."""
         short = Ends(no_way=self.no_way, give_up=self.give_up, unknown=self.unknown)
         return short.plus(rest.after(self.goal)).plus(rest.with_a_skip().after(self.skipped))
 
     def with_a_skip(self) -> Ends:
-        """Return these ends after an element was left undone."""
+        """Return the ends of the same runs if an element was skipped earlier; `goal` is part of `skipped`."""
         return Ends(NEVER_REACHED, self.goal + self.skipped, self.no_way, self.give_up, self.unknown)
 
     def total(self) -> Moments:
-        """Return the sum over all ends: the cost of a run, whatever its end."""
+        """Return the moments of the cost of a run, whatever its end: the sum over all ends."""
         return self.goal + self.skipped + self.no_way + self.give_up + self.unknown
 
 

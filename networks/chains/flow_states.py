@@ -40,9 +40,7 @@ class FlowStates(NamedTuple):
 
 
 class StateCodes:
-    """Conversion of states of one network into rows of integers, and into codes that are equal for equal
-    states.
-    """
+    """Conversion between a network's states and rows of integers, which can be merged if they are equal."""
 
     def __init__(self, network: ActionNetwork, after: Aftermath) -> None:
         """Prepare the conversion for a network."""
@@ -71,17 +69,22 @@ class StateCodes:
         return np.array(words, np.int64).T
 
     def one(self, state: State, mass: FloatArray) -> FlowStates:
-        """Return one state, with the moments (3 or 6,) of the runs that come to it, as a row."""
+        """Return one state as a row of `FlowStates`.
+
+        Args:
+            state: the state.
+            mass: (3 or 6,) probability and cost of the runs that come to the state, as in `FlowStates`.
+        """
         counts = np.zeros((1, len(self._counters)), np.uint16)
         for counter, fails in state.fails:
             counts[0, self._counters.index(counter)] = fails
         return FlowStates(counts, np.array([self.place[state.situation]]), mass[None, :])
 
     def state(self, counts: Uint16Array, place: int) -> State:
-        """Return the state of a run in a situation with counted Fails.
+        """Return the state of a run, given its situation and its earlier Fails.
 
         Args:
-            counts: (counters,) number of Fails by each counter of the network.
+            counts: (counters,) number of Fails by each counter, in the order of `ActionNetwork.shared`.
             place: number of the situation.
         """
         failed = np.flatnonzero(counts)
@@ -89,11 +92,11 @@ class StateCodes:
         return State(self._names[place], tuple(fails))
 
     def forgotten(self, states: FlowStates) -> FlowStates:
-        """Return the states without the Fails of actions that cannot follow in their situations any more."""
+        """Return the states with 0 for the Fails of actions that no run can start from there any more."""
         return states._replace(counts=states.counts * self._keeps[states.place])
 
     def merged(self, every: Sequence[FlowStates]) -> FlowStates:
-        """Return all states in the order of their counts, equal ones merged into one."""
+        """Return all states sorted by their counts of Fails; equal ones become one, with the summed mass."""
         counts, place, mass = (np.concatenate(item) for item in zip(*every, strict=True))
         if not len(place):
             return FlowStates(counts, place, mass)

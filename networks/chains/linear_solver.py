@@ -14,7 +14,7 @@ DENSE_MAX_ROWS = 100
 
 
 class LinearSolver:
-    """Solver of (I - Q) x = b and of its transposed, with Q the transitions among transient states."""
+    """Solver of (I - Q) x = b and of (I - Q)ᵀ x = b, with Q the transitions among transient states."""
 
     def __init__(self, size: int, links: ChainLinks, circles: bool) -> None:
         """Factorize the matrix I - Q.
@@ -42,7 +42,7 @@ class LinearSolver:
 
         Args:
             right: (n,) or (n, k) right-hand sides.
-            transposed: True for the transposed equations.
+            transposed: True for the equations with the transposed matrix.
 
         Returns:
             The shape of `right`.

@@ -6,7 +6,11 @@ from typing import NamedTuple
 
 
 class Moments(NamedTuple):
-    """Probability, E[C; exit] and E[C²; exit] of the cost C over the runs that leave a part by one exit."""
+    """Probability that a run leaves a part of a network by a certain exit, and moments of its cost C.
+
+    `p` is the probability. `first` is E[C; exit], the expected cost counted only for runs that leave by this
+    exit (0 for all others), in [s]; `second` is E[C²; exit], in [s²].
+    """
 
     p: float
     first: float = 0.0

@@ -69,6 +69,8 @@ def policy(
 ) -> Policy:
     """Return the decisions of the rule in all states that runs can reach from the start.
 
+    The rule takes the cheapest route to the goal; each Fail doubles an action's cost.
+
     Args:
         network: the network.
         for_good: whether to include Fails that use up all attempts at once.
@@ -94,7 +96,8 @@ def explored(
 ) -> Policy:
     """Return the decisions of the rule in the states that runs can reach, as far as the budget suffices.
 
-    The arguments are those of `policy`. If the budget is spent, the result's `is_complete` is False.
+    It has the same arguments as `policy`, but raises no error: if the budget is spent, the states found so
+    far are returned with `is_complete` False.
     """
     begin = start or State(network.start, ())
     try:
@@ -159,7 +162,9 @@ class _Visit:
 
 
 def likely_policy(network: ActionNetwork, chances: Chances, effort: Effort, start: State) -> Policy:
-    """Return the decisions of the rule in the states that runs reach most likely, as many as allowed.
+    """Return the decisions of the rule in the likeliest states of runs, as many as the budget allows.
+
+    The rule takes the cheapest route to the goal; each Fail doubles an action's cost.
 
     Args:
         network: the network.
@@ -202,7 +207,10 @@ def shares(step: Step, chances: Chances) -> Iterator[tuple[float, State]]:
 
 
 def fail_shares(action: Action, chance: Chance) -> Sequence[float]:
-    """Return the share of each cause in a Fail, that of all unnamed causes first; they sum to 1."""
+    """Return the probability of each cause, given that an action Fails; all unnamed causes come first.
+
+    The order of the named causes is that of `Action.fail_endings`.
+    """
     if chance.fail_shares:
         return chance.fail_shares
     known = [ending.p for ending in action.fail_endings]
@@ -214,7 +222,10 @@ def fail_shares(action: Action, chance: Chance) -> Sequence[float]:
 
 
 def success_shares(action: Action, chance: Chance) -> Sequence[float]:
-    """Return the shares of the situations that a Success leads to; they sum to 1."""
+    """Return the probability of each situation that a Success leads to, given that an action succeeds.
+
+    The order is `Action.target`, then `Action.others`.
+    """
     if chance.success_shares:
         return chance.success_shares
     if not action.others:

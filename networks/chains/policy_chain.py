@@ -21,7 +21,7 @@ from .step_maker import State
 
 @dataclass(frozen=True)
 class Chain:
-    """Probabilities, starts and costs of the runs through a part of a network."""
+    """Ends of the runs through a part of a network, and how often they start each of its actions."""
 
     ends: Ends
     starts: tuple[float, ...]
@@ -35,16 +35,17 @@ class Chain:
     """Average number of skips."""
 
     def with_flow(self, flow: FlowResult) -> Chain:
-        """Return the chain with the ends of a flow that has followed more states."""
+        """Return the chain with the ends and starts of a `RuleFlow`, which knows more of the states."""
         starts = tuple(map(float, flow.starts))
         return replace(self, ends=flow.ends, starts=starts, ended=flow.ended, skips=flow.skips)
 
 
 def policy_chain(policy: Policy, chances: Chances) -> Chain:
-    """Return the exact figures, by Kemeny and Snell, Finite Markov Chains (1960), chapter 3.
+    """Return the exact ends, starts and slopes of runs that follow a policy, as an absorbing Markov chain.
 
-    A transient state is an action that is about to start. States are numbered so that what follows comes
-    before, as long as chance leads no run in circles: I - Q is triangular, and the needed parts of its
+    The method is that of Kemeny and Snell, Finite Markov Chains (1960), chapter 3. A transient state is an
+    action that is about to start, and Q holds the transitions among these states. If chance leads no run in
+    circles, a state's successors have smaller numbers. I - Q is then triangular, and the needed parts of its
     inverse follow from a few sparse solutions.
     """
     count = len(policy.network.actions)

@@ -19,7 +19,7 @@ from .step_maker import StepMaker
 
 
 class RouteWalk:
-    """Runs that follow their routes; all that ended are counted by their ends."""
+    """Simulation of all runs at once along their cheapest routes, which adds up the ends of the runs."""
 
     def __init__(self, network: ActionNetwork, chances: Chances, maker: StepMaker, codes: StateCodes) -> None:
         """Prepare the arrays of a network for which `can_flow` holds.
@@ -60,7 +60,10 @@ class RouteWalk:
                 self._after_fail[number, action.index] = place[to or action.source]
 
     def after(self, states: FlowStates) -> Iterator[FlowStates]:
-        """Yield the states after the next Fail of runs from `states`, which are sorted by `counts`."""
+        """Follow runs from `states`, sorted by `counts`, until each Fails once or ends.
+
+        Yield the states after these Fails; add runs that end to `ends`.
+        """
         counts, place, mass = states
         first = np.append(True, (counts[1:] != counts[:-1]).any(axis=1))
         counts, tree = counts[first], np.cumsum(first) - 1

@@ -42,7 +42,7 @@ BATCH_STEPS, STATE_STEPS, ROUTE_STEPS = 30.0, 0.3, 0.01
 
 
 class FlowResult(NamedTuple):
-    """Ends of the runs that a flow has followed."""
+    """Ends of the runs that a `RuleFlow` has followed, and how often they start each action."""
 
     ends: Ends
     starts: FloatArray
@@ -54,18 +54,20 @@ class FlowResult(NamedTuple):
 
 
 def can_flow(network: ActionNetwork) -> bool:
-    """Return whether each action of a network leads towards the goal, or by its Fail to states with more
-    Fails.
+    """Return whether a network suits `RuleFlow`, in which each Fail leads to a state with more Fails.
+
+    Its actions must have one result each, and limited attempts that are never renewed; their number is at
+    most `MAX_WAYS`.
     """
     plain = not any(a.others or a.unlimited or a.renewals for a in network.actions)
     return plain and 0 < len(network.actions) <= MAX_WAYS
 
 
 class RuleFlow:
-    """States of the rule, followed by their number of Fails: each Fail leads on to the next number.
+    """Computation of the ends of all runs that follow the rule, in passes over states with 0, 1, 2... Fails.
 
-    While nothing fails, all states with the same Fails share one tree of routes. States that are too
-    unlikely wait for the next pass, in which the least probability is smaller.
+    The rule takes the cheapest route to the goal. While nothing fails, all states with the same Fails share
+    one tree of routes. States below a least probability wait for the next pass, in which it is smaller.
     """
 
     def __init__(self, network: ActionNetwork, chances: Chances, effort: Effort) -> None:
@@ -83,11 +85,11 @@ class RuleFlow:
         self._waiting: dict[int, FlowStates] = {}
 
     def result(self, start: State, max_open: float = MAX_OPEN) -> FlowResult:
-        """Follow all runs from a state until few are open, or the budget is spent.
+        """Return the ends of all runs from a state, followed until few are unfinished or the budget is spent.
 
         Args:
             start: the state.
-            max_open: total probability of states not followed yet, below which the flow ends.
+            max_open: probability of unfinished runs, from 0 to 1, at which following them stops.
         """
         self._begin(start)
         least, before, factor = FIRST_LEAST, 1.0, 1.0

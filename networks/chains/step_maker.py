@@ -20,7 +20,7 @@ _NEVER = 1e-12
 
 
 class State(NamedTuple):
-    """State of a network in which a policy decides: a situation with the counted Fails."""
+    """State of a run in which a policy decides, given by its situation and its earlier Fails."""
 
     situation: str
     fails: Fails
@@ -56,12 +56,12 @@ class Step(NamedTuple):
 
     @property
     def all_failed(self) -> tuple[State | None, ...]:
-        """States after the Fails of the action, first the one for all causes without their own situation."""
+        """States after a Fail of the action, first for causes not in `fail_endings`, then for each in it."""
         return (self.failed, *self.failed_by)
 
 
 class StepMaker:
-    """Factory of the steps of one network's policy."""
+    """Decisions by the rule (the cheapest route is taken), made for one state of a network at a time."""
 
     def __init__(
         self,
@@ -84,7 +84,7 @@ class StepMaker:
         self._chances = chances
 
     def step(self, state: State) -> Step:
-        """Return the decision in a state.
+        """Return the action that the rule takes in a state, with the states that may follow.
 
         Raises:
             TooMuch: the budget is spent.
@@ -114,7 +114,10 @@ class StepMaker:
 
 
 class Aftermath:
-    """States after an action, without the Fails of actions that cannot come up again."""
+    """Computation of the states that follow an action's outcomes.
+
+    A state forgets the Fails of actions that no run can start any more, so that fewer states differ.
+    """
 
     def __init__(self, network: ActionNetwork) -> None:
         """Compute what can follow each situation."""
@@ -147,6 +150,9 @@ class Aftermath:
             fails: Fails before it, as in a state of its source.
             committed: the actions that follow if it leads to its target.
             hopes: True if the plan needed the action's Fail: then its Success uses up an attempt.
+
+        Returns:
+            The state in `action.target`, then one for each of `action.others`; None if that never happens.
         """
         after = self._renewed(action, fails)
         if hopes:

@@ -12,10 +12,10 @@ from .step_maker import State, Step, StepMaker
 
 
 class StepTable:
-    """Decisions of the rule by state.
+    """Decisions of the rule (the cheapest route is taken) by state, each computed once and then kept.
 
-    An exploration spends the same budget whether or not its states were explored before, so that its
-    result does not depend on earlier ones.
+    A kept decision costs as much of the budget as a new one, so that results of `policy` do not depend on
+    earlier calls.
     """
 
     def __init__(self, network: ActionNetwork, chances: Chances) -> None:
@@ -32,6 +32,10 @@ class StepTable:
 
     def policy(self, start: State, effort: Effort) -> Policy:
         """Return the decisions in all states that runs can reach from a state.
+
+        Args:
+            start: state in which the runs begin.
+            effort: budget for these states.
 
         Raises:
             TooLarge: the budget does not suffice.

@@ -20,8 +20,9 @@ CHARGE_TIMEOUT_S = 300.0
 class AimWatch:
     """Watch over the time-out of a round, the begin of the next one, and due interrupts.
 
-    All times are the robot's, but for times of day, which are those of a clock. A time of day that passes
-    during a round, or while no program runs, begins no round.
+    A round is one run of a task that repeats; an interrupt is a goal that comes before the task's goal, for
+    example while the battery is low. Times are in the robot's time, except times of day, for which there is
+    a `DayClock`. No round begins for a time of day that passed during another round, or while no program ran.
     """
 
     def __init__(
@@ -59,7 +60,7 @@ class AimWatch:
     def begin_round(self) -> float:
         """Begin to watch the next round; return the time at which it may begin, in [s] of the robot's time.
 
-        The time-out of the round counts from then.
+        The time-out of the round counts from that time.
         """
         rounds = self._aims.rounds
         if rounds is not None and rounds.at:
@@ -76,7 +77,7 @@ class AimWatch:
 
     @property
     def left_s(self) -> float | None:
-        """Time that is left for the round, in [s]; None if it is not limited."""
+        """Time until the time-out of the present round, in [s] of the robot's time; None without time-out."""
         limit = self._aims.time_out_s
         if self._round_due is not None:
             return limit
@@ -84,15 +85,16 @@ class AimWatch:
 
     @property
     def expected(self) -> tuple[float, str] | None:
-        """The robot's time at which the waiting round is expected, in [s], and its time of day; None if no
-        round waits for a time of day.
+        """Begin of the next round that waits for a time of day; None if no round waits for one.
+
+        It is given in [s] of the robot's time, as expected, and as the time of day, "HH:MM:SS".
         """
         if self._round_due is None:
             return None
         return self._round_began, self._clock.time_of_day(self._round_due).isoformat("seconds")
 
     def is_early(self) -> bool:
-        """Return whether the round may not begin yet."""
+        """Return whether it is too early to begin the round that `begin_round` began to watch."""
         self._look_at_clock()
         if self._round_due is None:
             return self._robot.time < self._round_began
@@ -102,11 +104,14 @@ class AimWatch:
         return False
 
     def due(self, priority: int | None) -> int | None:
-        """Return the number of the interrupt that is due, None if none is; each is returned once.
+        """Return the number of an interrupt that has become due; None if none has.
+
+        An interrupt is returned once each time that it becomes due. Of several, it is that of the highest
+        priority.
 
         Args:
-            priority: priority of the pursued interrupt, which the due one has to exceed; None: no interrupt
-                is pursued.
+            priority: priority of the interrupt that the run pursues now; only a higher one is returned. None:
+                no interrupt is pursued.
         """
         self._look_at_clock()
         numbered = sorted(enumerate(self._aims.interrupts), key=lambda interrupt: -interrupt[1].priority)
@@ -120,9 +125,10 @@ class AimWatch:
         return None
 
     def is_charging(self, situation: str) -> bool:
-        """Return whether the robot waits in a situation until its battery is charged.
+        """Return whether the robot has to wait in a situation until its battery is charged.
 
-        A charge that does not rise, or is not known, ends the wait.
+        It waits at the goal of an interrupt with `battery_until`, up to that charge. The wait ends early if
+        the charge does not rise for `CHARGE_TIMEOUT_S`, or is not known.
         """
         wanted = self._charging
         if wanted is None or wanted.battery_until is None or self._battery is None:

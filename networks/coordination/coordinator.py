@@ -38,10 +38,10 @@ Permission = Callable[[Action], bool | None]
 class Coordinator:
     """One run through an action network, as a generator of periods, independent of the robot's kind.
 
-    The caller iterates the generator and steps the robot after each `yield` (its time does not pass while
-    `life.paused`). Every decision is in the journal before it is acted on. Actions that failed, were
-    refused or could not be started are counted, and counts never decrease, so that every run ends within
-    `network.bound()` actions.
+    The caller iterates the generator and, after each `yield`, steps the robot by one period; while
+    `life.paused` is true, the robot's time does not pass. Every decision is written to the journal before
+    it is acted on. Actions that failed, were refused or could not be started are counted. These counts
+    never decrease, so that every run ends within `network.bound()` actions.
     """
 
     def __init__(
@@ -90,7 +90,9 @@ class Coordinator:
         return not self.ask(what, number)
 
     def ask(self, what: Request, number: int | None = None) -> str:
-        """Request a pause, a stop and so on, honoured at the next period. Safe in a signal handler.
+        """Make a request to the run, such as a pause or a stop, which it follows in its next period.
+
+        It may be called in a signal handler.
 
         Args:
             what: the request. A stop is always accepted, and precedes all other requests.

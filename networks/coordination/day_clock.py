@@ -20,27 +20,41 @@ battery is set by years after its robot's start.
 
 
 class DayClock(ABC):
-    """A clock that gives the time of day; its instants are in [s], from an origin of its own."""
+    """Interface of a clock for times of day, such as 14:30.
+
+    An instant is a point in time as [s] since the clock's origin; each kind of clock has its own origin.
+    """
 
     @abstractmethod
     def now(self) -> float:
-        """Return the present instant, in [s]."""
+        """Return the present instant, in [s] since the clock's origin."""
 
     @abstractmethod
     def next(self, times: Sequence[time], since: float) -> float:
-        """Return the first instant, not before `since`, at one of these times of day, in [s]."""
+        """Return the first instant from `since` on that is at one of the times of day.
+
+        Args:
+            times: times of day.
+            since: an instant, in [s] since the clock's origin.
+
+        Returns:
+            The instant, in [s] since the clock's origin.
+        """
 
     def was_set(self) -> bool:
-        """Return whether the clock was set since the last call, so that expected instants are void."""
+        """Return whether the clock was set since the last call, so that `next` has to be called again."""
         return False
 
     @abstractmethod
     def time_of_day(self, instant: float) -> time:
-        """Return the time of day of an instant."""
+        """Return the time of day at an instant, which is in [s] since the clock's origin."""
 
 
 class RehearsedDay(DayClock):
-    """The robot's time, which begins at a chosen time of day; its instants count from midnight."""
+    """Clock of a rehearsal, which shows a chosen time of day plus the robot's time.
+
+    Instants are in [s] since midnight of the first day.
+    """
 
     def __init__(self, robot: Robot, begins_at: time) -> None:
         """Let the robot's time 0 be a time of day."""
@@ -60,12 +74,12 @@ class RehearsedDay(DayClock):
 
 
 def since_1970() -> float:
-    """Return the machine's time, in [s] since 1970."""
+    """Return the time of the computer's clock, in [s] since 1970 (UTC)."""
     return datetime.now(UTC).timestamp()
 
 
 class LocalDay(DayClock):
-    """The machine's clock in its time zone; its instants count from 1970 on."""
+    """The computer's clock, with times of day in its time zone; instants are in [s] since 1970 (UTC)."""
 
     def __init__(
         self, clock: Callable[[], float] = since_1970, steady: Callable[[], float] = monotonic

@@ -12,12 +12,12 @@ STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Interrupts:
-    """Context manager that turns signals to end into a stop of the run.
+    """Context manager that turns signals to end the program (`STOP_SIGNALS`) into a stop of the run.
 
-    Before a run has begun, an interrupt is a KeyboardInterrupt; from then on it stops the run, and a second
-    one does not cut the stop short (row K3). Once the run is over nothing is left to stop: the remaining
-    records are written, and the run keeps its own outcome. In threads other than the main one it does
-    nothing.
+    Before a run has begun, a signal raises KeyboardInterrupt. During the run it stops the run, and a second
+    signal does not cut the stop short (row K3 of the faults' table). After the run a signal has no effect:
+    the remaining records are written, and the run keeps its outcome. In threads other than the main one, the
+    context manager does nothing.
     """
 
     def __init__(self) -> None:
@@ -30,7 +30,9 @@ class Interrupts:
     def stop_by(self, stop: Callable[[], object]) -> None:
         """Register the function that stops the run that begins now.
 
-        It is called at once if a signal came before, and does no harm after the run's end.
+        Args:
+            stop: the function; called at once if a signal came before, and for each signal from now on. It
+                must have no effect after the run's end.
         """
         self._stop = stop
         if self.came:

@@ -17,11 +17,11 @@ from .supervision import Request
 class NetworkBehaviour(Behaviour):
     """Behaviour that runs a network, one period for each tick.
 
-    The tree's owner steps the robot after each tick. SUCCESS when the goal is reached, FAILURE when no
-    route is left (the robot then is restored). Interrupted by the tree it only stops; its next tick first
-    restores what the interrupted action changed, then continues. Interrupted between two actions, or while
-    one waits for permission, nothing needs to be restored. GiveUp is FAILURE too, and remains so whatever
-    the tree tries: `end` distinguishes the two.
+    The tree's owner steps the robot after each tick. The status is SUCCESS when the goal is reached, and
+    FAILURE when no route is left (the robot then is restored). If the tree interrupts the behaviour, the
+    robot only stops. If an action was running, the next tick first restores what that action changed; then
+    the run continues. A GiveUp is FAILURE too, and every later tick returns FAILURE until `acknowledge` is
+    called; `end` distinguishes it from a missing route.
     """
 
     def __init__(self, name: str, robot: Robot, make: Callable[[], Coordinator]) -> None:

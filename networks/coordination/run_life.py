@@ -35,10 +35,10 @@ _TRANSITIONS: list[dict[str, Any]] = [
 
 
 class RunLife:
-    """A state machine behind typed methods; a step that may not follow raises `transitions.MachineError`.
+    """State machine of a run's present activity (`RunState`), with a method for each transition.
 
-    Entering the state that it is in already does nothing: from one action of a plan to the next the run
-    keeps acting.
+    A transition that the present state does not allow raises `transitions.MachineError`. Entering the
+    present state again does nothing; for example, `act` is called again for the next action of a plan.
     """
 
     def __init__(self) -> None:

@@ -21,7 +21,7 @@ Word = Literal["Success", "Fail", "FailForGood", "GiveUp"]
 
 
 class WithResult(FileModel):
-    """A Success with one of the primitive's results."""
+    """Scripted outcome Success with a given result, for a primitive that has several results."""
 
     success: Annotated[str, Field(alias="Success")]
     """The result, as an entry of `then` names it."""
@@ -39,7 +39,7 @@ class Script(FileModel):
 
 @dataclass(frozen=True)
 class Imagined:
-    """Result of an imagined run."""
+    """Result of a run that only follows scripted outcomes, without a robot."""
 
     outcome: Literal["Success", "Fail", "GiveUp"]
     situation: str
@@ -67,7 +67,12 @@ def load_script(path: Path) -> Script:
 
 
 def follow(network: ActionNetwork, outcomes: Iterable[Word | WithResult]) -> Imagined:
-    """Follow a network as the coordinator would if its actions had these outcomes."""
+    """Return the run that the coordinator would make if its actions had the scripted outcomes.
+
+    Args:
+        network: the network.
+        outcomes: outcome of each action of the run, in order; further actions succeed.
+    """
     route, words, cost = RunDecisions(network, planner_of(network)), iter(outcomes), 0.0
     lines: list[str] = []
     while not route.arrived:

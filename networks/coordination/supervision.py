@@ -78,11 +78,11 @@ class PendingRequest(NamedTuple):
 
 
 class Supervision:
-    """Supervisor of an attempt, which honours requests from outside at each period.
+    """Supervisor of a run's attempts, which follows requests from outside (`Request`) in each period.
 
-    A pause, a continuation, a cancel and a stop are meant for the run, a restore for the action that runs
-    when it is asked for. Each may name an action; one that is over or has not begun is never replaced by
-    another.
+    A pause, resume, cancel or stop concerns the run; a restore concerns the action that runs when it is
+    requested. A request may also name an action. If that action has not begun or is over, the request is
+    rejected or dropped; it never concerns another action.
     """
 
     def __init__(
@@ -148,12 +148,14 @@ class Supervision:
     def to_its_end(
         self, attempt: Attempt, time_out: float | None = None, late: str = ""
     ) -> Generator[None, None, Outcome | NotStarted]:
-        """Run the attempt of an action to its outcome; `NotStarted` if it is called back before it moves.
+        """Run the attempt of an action to its outcome.
+
+        The result is `NotStarted` if the attempt is called back (asked to restore and end) before it moves.
 
         Args:
             attempt: the attempt.
             time_out: time in [s] after which the attempt is called back; None: never.
-            late: reason of that Fail in words; "": that the action took longer than `time_out`.
+            late: reason in words of the Fail after `time_out`; "": that the action took longer.
 
         Raises:
             Interrupted: the attempt was stopped; the robot holds where it is.

@@ -14,10 +14,11 @@ _BASE = frozenset({ResidualKind.BASE_POSITION, ResidualKind.BASE_HEADING})
 
 
 class WorldWatch:
-    """Comparison of the robot's state before an action with that after the last one (row N9).
+    """Detection of changes to the robot between two actions, for example by a person who moved it.
 
-    An earlier situation of the run may hold again: one with the same facts except for `base`, whose base
-    pose was measured as it is now. After any other change no sensor can show how much more was changed.
+    The robot's state before an action is compared with its state after the previous action. If only the base
+    was moved, to its pose in an earlier situation whose facts other than `base` are the same, that situation
+    holds again. After any other change it is unknown what else was changed (row N9 of the faults' table).
     """
 
     def __init__(self, robot: Robot, network: ActionNetwork, seen: Mapping[str, Snapshot]) -> None:
@@ -44,8 +45,10 @@ class WorldWatch:
             self.arrived(situation)
 
     def stands(self, at: Snapshot | None) -> None:
-        """Keep the snapshot taken after an action; None if it could not be read, so that nothing can be
-        compared.
+        """Keep the snapshot of the robot after an action, for comparison before the next action.
+
+        Args:
+            at: the snapshot; None if it could not be read, so that the next action starts uncompared.
         """
         self._stood = at
 
@@ -56,17 +59,24 @@ class WorldWatch:
             self._seen[situation] = self._stood
 
     def changed(self, now: Snapshot) -> Snapshot | None:
-        """Return the last snapshot if the robot has moved since; None if it has not, or without one."""
+        """Return the last snapshot if the robot has moved since then.
+
+        The result is None if the robot has not moved, or if there is no last snapshot.
+        """
         if self._stood is None:
             return None
         return self._stood if self._moved(self._stood, now) else None
 
     def situation(self, here: str, stood: Snapshot, now: Snapshot) -> str | None:
-        """Return the situation that holds now; None if that cannot be decided.
+        """Return the earlier situation that holds now that the robot was moved; None if none can be shown to.
 
-        It is the latest earlier situation with the facts of `here`, the fact `base` excepted, if only the
-        base has moved between the
-        snapshots `stood` and `now`, and has moved to its pose in that situation.
+        Only the base may have moved, to its pose in the returned situation. Except for the fact `base`, the
+        facts of that situation are those of `here`. Of several, it is the latest.
+
+        Args:
+            here: situation before the robot was moved.
+            stood: snapshot of the robot in `here`.
+            now: snapshot of the robot now.
         """
         kinds = {residual.kind for residual in self._moved(stood, now).all}
         if not kinds <= _BASE or not self._sure(now):
@@ -76,7 +86,10 @@ class WorldWatch:
         return next((name for name in alike if not self._moved(self._seen[name], now)), None)
 
     def unlocated_situation(self, here: str) -> str | None:
-        """Return a situation from which LOCATE starts, with the facts of `here` except the base; or None."""
+        """Return a situation in which LOCATE can find the robot's pose, after the base was moved.
+
+        Except for the fact `base`, its facts are those of `here`. None if the network has no such situation.
+        """
         facts = self._facts(here)
         for action in self._network.actions:
             is_finder = action.binding is not None and action.binding.label == LOCATE_NAME

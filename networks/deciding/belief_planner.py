@@ -23,9 +23,11 @@ BEST_STEPS, RULE_STEPS = 60_000.0, 20_000.0
 
 
 class BeliefPlanner(BestPlanner):
-    """Planner by the rule, or by the file's policy where that costs less in 95 % of draws from the beliefs.
+    """Planner that learns outcome probabilities during a run, and leaves the rule where a policy is better.
 
-    A judgement is made for each plan, from the situation of the run on. Beliefs stay from round to round.
+    Beliefs are distributions of the probabilities, updated by each Success and Fail and kept from round to
+    round. For each plan, probabilities are drawn from them many times. The best policy of the task's file is
+    followed if it costs less than the rule in 95 % of the draws, and the rule otherwise.
     """
 
     def __init__(self, network: ActionNetwork, prior: BeliefPrior, name: PolicyName) -> None:
@@ -67,7 +69,13 @@ class BeliefPlanner(BestPlanner):
         return self.best.known_step(state) or self.best.step(state)
 
     def verdict(self, situation: str) -> SwitchVerdict:
-        """Judge whether the policy is better than the rule from a situation on, by the present beliefs."""
+        """Return whether the best policy costs less than the rule, for the rest of a run.
+
+        It is judged by the present beliefs about the outcome probabilities.
+
+        Args:
+            situation: the run's present situation.
+        """
         if self._is_new:
             self.best = self.best.believing(self.beliefs.chances(), Effort(BEST_STEPS))
             self._is_new = False

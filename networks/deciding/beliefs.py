@@ -13,10 +13,11 @@ DRAW_COUNT = 200
 
 
 class Beliefs:
-    """Weights (a, b) of Success and Fail for each entry of the file, shared by all its copies.
+    """Beliefs about the outcome probabilities of each action of a task file, as weights of the outcomes.
 
-    At first they are those of `p`, as if it had been counted in the prior's number of attempts. GiveUp keeps
-    its weight, because it ends a run.
+    The weights of Success, Fail and GiveUp are the parameters of a Dirichlet distribution. At first they are
+    the probabilities in the file times the prior's number of attempts. Each Success or Fail adds 1 to its
+    weight; GiveUp keeps its weight, because it ends a run. All copies of an action by `repeat` share them.
     """
 
     def __init__(self, network: ActionNetwork, prior: BeliefPrior) -> None:
@@ -37,14 +38,17 @@ class Beliefs:
         self._seen: dict[int, tuple[int, int]] = {}
 
     def succeeded(self, action: Action) -> bool:
-        """Count a Success, and renew what begins again after it; return whether a belief changed."""
+        """Count a Success of an action; return whether a belief changed.
+
+        The beliefs about actions whose attempts the Success renews go back to the prior.
+        """
         for counter in self._network.renewed_by.get(action.index, ()):
             for item in self._network.shared[counter]:
                 self._seen.pop(self._entries[item.index], None)
         return self._count(action, 1, 0)
 
     def failed(self, action: Action) -> bool:
-        """Count a Fail; return whether a belief changed."""
+        """Count a Fail of an action; return whether a belief changed (False for a skip)."""
         return self._count(action, 0, 1)
 
     def _count(self, action: Action, success: int, fail: int) -> bool:
@@ -56,22 +60,28 @@ class Beliefs:
         return True
 
     def weights(self, entry: int) -> tuple[float, float, float]:
-        """Return the weights of Success, Fail and GiveUp of an entry."""
+        """Return the present weights of Success, Fail and GiveUp of an action, by its number in the file."""
         (a, b, give_up), (successes, fails) = self._prior[entry], self._seen.get(entry, (0, 0))
         return a + successes, b + fails, give_up
 
     @property
     def changed(self) -> tuple[tuple[int, float, float], ...]:
-        """Number of each entry whose belief differs from the prior, with its weights of Success and Fail."""
+        """Actions whose belief differs from the prior, by number in the file, with both weights.
+
+        These are the weights of Success and Fail.
+        """
         return tuple((entry, *self.weights(entry)[:2]) for entry in sorted(self._seen))
 
     def chances(self) -> list[Chance | None]:
-        """Return the expected probabilities of each action; None for a skip."""
+        """Return the mean outcome probabilities of each action of the network; None for a skip."""
         known = {entry: _mean(self.weights(entry)) for entry in self._prior}
         return [known.get(entry) for entry in self._entries]
 
     def drawn(self, seed: int = 0) -> list[list[Chance | None]]:
-        """Return draws of all probabilities; equal beliefs have equal draws."""
+        """Return `DRAW_COUNT` random draws of the outcome probabilities of all actions; None for a skip.
+
+        They come from the beliefs' Dirichlet distributions; the same seed and beliefs give the same draws.
+        """
         order = list(self._prior)
         draws = np.random.default_rng([31, seed])
         weights = np.array([self.weights(entry) for entry in order])

@@ -28,9 +28,10 @@ def _chance(action: Action) -> Chance:
 
 
 class BestPlanner(Planner):
-    """Planner by the best policy, which looks up decisions that were made before.
+    """Planner by the best policy, which computes each of its decisions once and then keeps it.
 
-    A plan follows the usual result of each action. For a goal other than the network's, the rule plans.
+    A plan assumes the first result of each action (`Action.target`). For a goal other than the network's,
+    the plan is the cheapest route, as by the rule.
     """
 
     def __init__(self, best: BestPolicy) -> None:
@@ -48,11 +49,21 @@ class BestPlanner(Planner):
     def plan_by_rule(
         self, situation: str, goal: str | None = None, without: Iterable[Action] = ()
     ) -> Plan | NoWay:
-        """Return the cheapest route, as the rule plans it; the arguments are those of `Planner.plan`."""
+        """Return the cheapest route, as the rule plans it, or why no route is left.
+
+        Args:
+            situation: situation in which the route begins.
+            goal: situation in which it ends; None: the network's goal.
+            without: actions that the route must not contain.
+        """
         return super().plan(situation, goal, without)
 
     def plan_by_policy(self, situation: str) -> Plan | NoWay:
-        """Return the route that the best policy begins, or why a person is called."""
+        """Return the actions that the best policy takes if each succeeds, or why a person is called.
+
+        Args:
+            situation: situation in which the actions begin.
+        """
         state = self.best.state(situation, self.counts)
         first = self.best.decision(state)
         if first.action is None:
@@ -61,7 +72,7 @@ class BestPlanner(Planner):
         return Plan(self._usual(state), first.cost, self._excluded())
 
     def step(self, state: State) -> Step:
-        """Return the decision in a state."""
+        """Return the action that the best policy takes in a state, with the states that may follow."""
         return self.best.step(state)
 
     def _usual(self, state: State) -> tuple[Action, ...]:

@@ -26,7 +26,7 @@ GOAL_PRICE_S = 1e10
 class BestPolicy:
     """Decisions with the least expected cost, or with the largest probability of the goal.
 
-    States are settled when they are first asked for, and looked up from then on.
+    The decision in a state is computed at its first use, and then kept.
     """
 
     def __init__(
@@ -59,15 +59,15 @@ class BestPolicy:
 
     @property
     def process(self) -> Process:
-        """The network with its prices."""
+        """The network as a Markov decision process, with outcome probabilities and costs."""
         return self._process
 
     def believing(self, chances: Chances, effort: Effort) -> BestPolicy:
-        """Return the search of the best policy by other probabilities; nothing is settled yet.
+        """Return a best policy for other outcome probabilities, of which no decision is computed yet.
 
         Args:
             chances: outcome probabilities of each action; None for a skip.
-            effort: budget.
+            effort: budget for computing decisions.
         """
         other = copy(self)
         other._process = self._process.believing(chances)
@@ -100,21 +100,27 @@ class BestPolicy:
         return rule_price(self._process, forecaster, forecast)[0] + left < found.cost
 
     def state(self, situation: str, counts: dict[int, int]) -> State:
-        """Return the state in a situation with these counts of Fails."""
+        """Return the state of a run in a situation.
+
+        Args:
+            situation: name of the situation.
+            counts: Fails so far, by counter (`Action.counter`), as counted in `Attempts`.
+        """
         return self._process.after.at(situation, counts)
 
     def decision(self, state: State) -> Decision:
-        """Return the best decision in a state."""
+        """Return the best action in a state, with bounds of the expected cost."""
         return self.values.decision(state)
 
     def step(self, state: State) -> Step:
-        """Return the best decision in a state, with the states that may follow."""
+        """Return the best action in a state, with the states that may follow."""
         return self._step(state, self.decision(state))
 
     def policy(self, start: State | None = None) -> Policy:
-        """Return the decisions that runs are likely to come to, from the network's start or another state.
+        """Return the best decisions in the states that runs are likely to come to.
 
-        States that are too unlikely to matter are skipped.
+        Args:
+            start: state in which the runs begin; None: the network's start without a Fail.
         """
         begin = start or State(self.network.start, ())
         self.decision(begin)

@@ -27,7 +27,7 @@ OPENING_STEPS, VISIT_STEPS = 50.0, 4.0
 
 
 class Decision(NamedTuple):
-    """Best decision in a state, with its value."""
+    """Best decision in a state, with bounds of its expected cost."""
 
     action: Action | None
     """The action; None if calling a person costs no more than any action."""
@@ -38,10 +38,11 @@ class Decision(NamedTuple):
 
 
 class BestValues:
-    """Search for the best decisions from states on demand, remembering all that is settled.
+    """Search for the best decision in a state and in all that may follow it, made when it is first needed.
 
-    Strongly connected components are solved after those that follow them. `ComponentSearch` solves those in
-    which a run may come back to a state; in the others, each state is solved from its successors.
+    The states form a graph, which is solved by its strongly connected components, the last ones first. A
+    component in which a run may come back to a state is solved by `ComponentSearch`. In the others, each
+    state is solved from its successors.
     """
 
     def __init__(self, process: Process, effort: Effort) -> None:
@@ -64,7 +65,7 @@ class BestValues:
         self._is_spent = False
 
     def decision(self, state: State) -> Decision:
-        """Return the best decision in a state, as exactly as the budget allows."""
+        """Return the best decision in a state; search for it as long as the budget allows."""
         if self._is_spent and state not in self._settled:
             self._effort = Effort(LATER_STEPS)
         for number in range(len(VALUE_GAPS)):
@@ -92,7 +93,7 @@ class BestValues:
                 ahead.append(needed)
 
     def known(self, state: State) -> Decision:
-        """Return what is known of the best decision in a state, without searching."""
+        """Return the best decision in a state by the cost bounds computed so far, without searching."""
         if state.situation == self.process.network.goal:
             return Decision(None, 0.0, 0.0)
         search = self._search(state)
@@ -119,8 +120,9 @@ class BestValues:
         return Decision(action, best, min(best, self._bounds_of(state)[0]))
 
     def costs(self, state: State) -> list[Decision]:
-        """Return a decision for each action that can be started in a state, with best decisions afterwards;
-        best first.
+        """Return each action that can be started in a state, with its expected cost; the cheapest first.
+
+        The cost assumes that all later decisions are the best ones.
         """
         found = []
         for option in self.process.options(state):

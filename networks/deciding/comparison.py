@@ -42,7 +42,7 @@ class PolicyDifference(NamedTuple):
 
 @dataclass(frozen=True)
 class PolicyComparison:
-    """The rule and the best policy side by side."""
+    """Comparison of the rule (the cheapest route is taken) with the best policy, for one network."""
 
     rule: PolicyFigures
     best: PolicyFigures

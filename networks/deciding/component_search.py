@@ -58,11 +58,12 @@ class _Decisions(NamedTuple):
 
 
 class ComponentSearch:
-    """Bounds of the states of a component, improved until they meet.
+    """Search for the best decisions in the states of one strongly connected component.
 
-    Each round follows the policy that looks best by the lower bounds, and expands those of its states that
-    leave most of the gap open (LAO*, Hansen and Zilberstein 2001). Its equations are solved exactly: they are
-    nearly triangular, because Fails only become more.
+    Each state has a lower and an upper bound of its expected cost, improved until they are close. Each round
+    follows the policy that is best by the lower bounds, and expands its states that contribute most to the
+    difference of the bounds (LAO*, Hansen and Zilberstein 2001). The policy's linear equations are solved
+    exactly; they are nearly triangular, because a run's Fails only increase.
     """
 
     def __init__(
@@ -92,19 +93,19 @@ class ComponentSearch:
         return None if number is None else (float(self._table.low[number]), float(self._table.high[number]))
 
     def settle(self, state: State, gap: float, effort: Effort, beyond: Bounds) -> State | None:
-        """Improve the bounds of a state until their difference is small, relative to the upper one.
+        """Improve the bounds of a state's expected cost until they are close; the state is then settled.
 
         Args:
             state: the state.
-            gap: the relative difference.
+            gap: largest difference of the bounds, relative to the upper bound.
             effort: budget.
-            beyond: bounds of states beyond the component.
+            beyond: function that returns the bounds of a settled state beyond the component.
 
         Returns:
             A state beyond the component that has to be settled first; None if the state is settled.
 
         Raises:
-            TooMuch: the budget is spent; the bounds hold.
+            TooMuch: the budget is spent; the bounds are valid, but not close enough.
         """
         table = self._table
         root = int(table.add(self._rows.row(state))[0])

@@ -21,7 +21,7 @@ MIN_LEAVING = 1e-13
 
 
 class DrawnAction(NamedTuple):
-    """Outcome probabilities of one action in many draws; each array is (draws,)."""
+    """Outcome probabilities of one action, drawn many times from beliefs; each array is (draws,)."""
 
     success: Sequence[FloatArray]
     """Probability of each situation that a Success leads to, as in `Step.succeeded`."""
@@ -31,7 +31,7 @@ class DrawnAction(NamedTuple):
 
 
 class PricedRow(NamedTuple):
-    """Cost and successors of one state of a policy, in many draws."""
+    """Cost and successors of one state of a policy, for many draws of the outcome probabilities."""
 
     cost: FloatArray
     """(draws,) cost of its decision, with the prices of ends that follow at once, in [s]."""
@@ -40,7 +40,10 @@ class PricedRow(NamedTuple):
 
 
 class DrawnPrices:
-    """Prices of policies in one network, by the same draws."""
+    """Expected prices of several policies of one network, for the same draws of outcome probabilities.
+
+    The price of a run is its time, with a fixed time added for each end short of the goal.
+    """
 
     def __init__(self, process: Process, draws: Sequence[Chances]) -> None:
         """Prepare the prices.

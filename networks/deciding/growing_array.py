@@ -12,7 +12,7 @@ FIRST_CAPACITY = 256
 
 
 class GrowingArray(Generic[Scalar]):
-    """Rows in one buffer, which is doubled when it is full."""
+    """NumPy array to which rows can be appended; its buffer is doubled when it is full."""
 
     def __init__(self, first: NDArray[Scalar]) -> None:
         """Begin with some rows (n, ...); later rows have the same shape and type."""

@@ -33,7 +33,7 @@ class OptionValue(NamedTuple):
 
 
 class OptionValues:
-    """Figures of the actions of one network, by the probabilities in its file."""
+    """Computation of the expected result of a run for each action that could be done next."""
 
     def __init__(
         self, network: ActionNetwork, chances: Chances | None = None, policy: str | None = None
@@ -58,11 +58,13 @@ class OptionValues:
         return all(a.p_success is not None for a in self._network.actions if a.binding is not None)
 
     def of(self, action: Action, counts: Mapping[int, int], hopes: bool = False) -> OptionValue | None:
-        """Return the figures of an action that is done now; None if there are too many states.
+        """Return the expected result of a run in which an action is done next.
+
+        The result is None if there are too many states.
 
         Args:
             action: the action.
-            counts: counts of Fails by counter, as the planner keeps them.
+            counts: Fails so far, by counter (`Action.counter`), as the planner keeps them.
             hopes: True if the plan needs the action's Fail: then its Success uses up an attempt.
         """
         process, goal, mean = self._process, 0.0, action.cost_s if action.binding else 0.0
@@ -103,7 +105,7 @@ class OptionValues:
 
 
 class RunOptionValues:
-    """Figures of the actions of one run, shared by its decisions as long as its beliefs do not change."""
+    """Cache of the `OptionValues` of one run, kept until its outcome probabilities or its policy change."""
 
     def __init__(self, network: ActionNetwork) -> None:
         """Prepare the figures of a run in a network."""
@@ -112,7 +114,7 @@ class RunOptionValues:
         self._values: OptionValues | None = None
 
     def by(self, chances: Chances | None, policy: str | None) -> OptionValues:
-        """Return the figures by these probabilities and this policy.
+        """Return the `OptionValues` for given outcome probabilities and a policy.
 
         Args:
             chances: outcome probabilities of each action; None: those of the file.

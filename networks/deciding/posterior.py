@@ -62,9 +62,10 @@ class OutcomeCounts(NamedTuple):
 
     @property
     def fail_weights(self) -> tuple[float, ...]:
-        """Parameters of the Dirichlet distribution of a Fail's causes, that of all unnamed causes first.
+        """Parameters of the Dirichlet distribution of a Fail's causes; all unnamed causes come first.
 
-        The prior of Fail is divided equally, so that the sum is the weight of Fail.
+        Each is the count of the cause plus an equal part of Fail's prior, so that their sum is the weight of
+        Fail in `weights`. Empty if no causes are counted.
         """
         if not self.by_cause:
             return ()
@@ -73,12 +74,15 @@ class OutcomeCounts(NamedTuple):
 
     @property
     def result_weights(self) -> tuple[float, ...]:
-        """Parameters of the Dirichlet distribution of a Success's results, the usual one first."""
+        """Parameters of the Dirichlet distribution of a Success's results, that of `Action.target` first."""
         return tuple(PRIOR_SUCCESS / len(self.by_result) + count for count in self.by_result)
 
 
 class SwitchVerdict(NamedTuple):
-    """Comparison of the best policy with the rule over the posterior."""
+    """Comparison of the best policy with the rule, for many draws of the outcome probabilities.
+
+    The draws are from the posterior distribution, after the outcomes that were counted.
+    """
 
     better_share: float
     """Share of draws in which the best policy costs less than the rule."""
@@ -89,7 +93,7 @@ class SwitchVerdict(NamedTuple):
 
     @property
     def is_sure(self) -> bool:
-        """True if the best policy is better in enough draws."""
+        """True if the best policy costs less than the rule in at least the share `SURE_SHARE` of draws."""
         return not self.is_same and self.better_share >= SURE_SHARE
 
 
@@ -100,12 +104,14 @@ def judge_switch(
     person_s: float = 600.0,
     seed: int = 0,
 ) -> SwitchVerdict:
-    """Judge whether the best policy of the expected probabilities is better than the rule.
+    """Judge by counted outcomes whether the best policy costs less than the rule.
+
+    The best policy is that for the mean outcome probabilities; the rule takes the cheapest route.
 
     Args:
         network: the network.
-        counts: outcomes of each action; None for a skip. Copies of one action share one object.
-        name: what is best.
+        counts: counted outcomes of each action; None for a skip. Copies of one action share one object.
+        name: the policy to compare, `expected_cost` or `goal_probability`.
         person_s: price of an end short of the goal, in [s].
         seed: seed of the draws.
     """
@@ -119,13 +125,14 @@ def judge_switch(
 def judge_policies(
     best: BestPolicy, draw: Callable[[], Sequence[Chances]], start: State, rule_steps: float
 ) -> SwitchVerdict:
-    """Judge whether the best policy of the expected probabilities is better than the rule.
+    """Judge by draws of the outcome probabilities whether a best policy costs less than the rule.
 
     Args:
-        best: the policy, by the expected probabilities.
-        draw: returns draws of all probabilities; not called where both policies decide alike.
-        start: state from which the runs are compared.
-        rule_steps: budget of the rule's states.
+        best: the best policy for the mean outcome probabilities.
+        draw: function that returns draws of all outcome probabilities; not called if both policies decide
+            alike in all states.
+        start: state in which the compared runs begin.
+        rule_steps: budget for computing the rule's decisions, in steps of `Effort`.
     """
     chosen = best.policy(start)
     rule = likely_policy(best.network, best.process.chances, Effort(rule_steps), start)

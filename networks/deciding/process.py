@@ -30,7 +30,10 @@ class ProcessOption(NamedTuple):
 
 
 class Process:
-    """States and options of one network; a state is a situation with the Fails that still matter."""
+    """A network as a Markov decision process, whose options are the actions that can be started in a state.
+
+    A state is a situation together with the Fails of actions that a run can still start.
+    """
 
     def __init__(self, network: ActionNetwork, chances: Chances, person_s: float) -> None:
         """Prepare the options.
@@ -68,7 +71,10 @@ class Process:
         return self.person_s * self._undone[self.part[situation]]
 
     def price(self, action: Action) -> float:
-        """Return the cost of starting an action, with a person's price for GiveUp and for a skip."""
+        """Return the expected cost of starting an action, in [s].
+
+        It includes the price of calling a person, times the probability of GiveUp. A skip costs that price.
+        """
         if action.binding is None:
             return self.person_s
         chance = self.chances[action.index] or Chance(1.0)

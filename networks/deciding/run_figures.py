@@ -23,7 +23,10 @@ CALL_ENDS = (*STOP_ENDS, ChainEnd.UNKNOWN)
 
 
 class PolicyFigures(NamedTuple):
-    """Expected results of runs of a policy; each is an interval if some states were not examined."""
+    """Expected results of runs of a policy, each with a lower and an upper bound.
+
+    Both bounds are equal if all states that runs can reach were examined.
+    """
 
     name: str
     goal: tuple[float, float]
@@ -46,7 +49,12 @@ class _Part(NamedTuple):
 
 
 def rule_figures(process: Process, forecaster: Forecaster) -> PolicyFigures:
-    """Return the figures of the rule."""
+    """Return the expected results of runs that follow the rule, which takes the cheapest route.
+
+    Args:
+        process: the network with its prices.
+        forecaster: forecaster of the same network and outcome probabilities.
+    """
     forecast = forecaster.forecast()
     price = rule_price(process, forecaster, forecast)
     chains = [chain for _, chain in forecaster.chains()]
@@ -57,7 +65,15 @@ def rule_figures(process: Process, forecaster: Forecaster) -> PolicyFigures:
 
 
 def rule_price(process: Process, forecaster: Forecaster, forecast: Forecast) -> tuple[float, float]:
-    """Return the price of a run of the rule, in [s], as an interval."""
+    """Return a lower and an upper bound of the expected price of a run that follows the rule, in [s].
+
+    The price is the time of the run, and `person_s` for each end short of the goal.
+
+    Args:
+        process: the network with its prices.
+        forecaster: forecaster of the same network and outcome probabilities.
+        forecast: the forecaster's forecast of the unchanged network.
+    """
     low = sum(_price(process, part) for part in _parts(forecaster))
     if not forecast.unknown:
         return low, low
@@ -66,13 +82,13 @@ def rule_price(process: Process, forecaster: Forecaster, forecast: Forecast) -> 
 
 
 def best_figures(process: Process, policy: Policy, name: str, walks: bool = True) -> PolicyFigures:
-    """Return the figures of a policy; in states that were not looked at, a person is called.
+    """Return the expected results of runs of a policy; in states missing in it, a person is called.
 
     Args:
         process: the network with its prices.
         policy: the decisions.
         name: name of the policy.
-        walks: whether to estimate the time of 95 % from walks.
+        walks: whether to estimate, from random walks, the time within which 95 % of the runs end.
     """
     chain = policy_chain(policy, process.chances)
     ends = chain.ends

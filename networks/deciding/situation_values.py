@@ -30,13 +30,14 @@ _BETTER = 1e-12
 
 
 class SituationValues:
-    """Values over situations: V(s) = min over actions of (cost + g K + sum of p V(t)), and at most K.
+    """Lower bounds of the expected cost from each situation of a network, computed without counting attempts.
 
-    K is the price of calling a person in s, g the action's probability of GiveUp.
+    V(s) = min over actions of (cost + g K + sum of p V(t)), and at most K. K is the price of calling a person
+    in s, g the action's probability of GiveUp, and p that of each situation t that the action may lead to.
+    Attempts are unlimited here, so that V is at most the expected cost with limited attempts.
 
-    A Fail that leads back to the same situation is tried again without limit, so that V is at most the
-    expected cost with limited attempts. Components are solved after those that follow them: in one step
-    without a loop (Knuth 1977), otherwise by policy iteration (Howard 1960).
+    Strongly connected components of situations are solved one by one, the last ones first. One step solves a
+    component without a loop (Knuth 1977), policy iteration all others (Howard 1960).
     """
 
     def __init__(self, process: Process) -> None:
@@ -52,11 +53,11 @@ class SituationValues:
             self.value |= self._solved(number, ())
 
     def without(self, situation: str, out: frozenset[int]) -> float:
-        """Return the value of a situation if further actions of its component are excluded.
+        """Return a lower bound of the expected cost from a situation, in [s], if some actions are excluded.
 
         Args:
             situation: the situation.
-            out: numbers of the excluded actions.
+            out: numbers of the excluded actions, which start in the situation's component.
         """
         number = self._process.part[situation]
         if not out:
@@ -67,11 +68,12 @@ class SituationValues:
         return known[situation]
 
     def without_each(self, number: int, out: BoolArray, places: IntArray) -> FloatArray:
-        """Return a lower bound of the expected cost for states of a component in which actions are excluded.
+        """Return lower bounds of the expected cost for n states of a component with excluded actions.
 
         Args:
             number: number of the component.
-            out: (n, actions) the excluded actions, in the order of the component's situations.
+            out: (n, actions) mask of the actions excluded in each state. The actions are those that start in
+                the component, in the order of its situations.
             places: (n,) index of each state's situation within the component.
 
         Returns:

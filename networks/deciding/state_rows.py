@@ -21,7 +21,7 @@ _Ending = tuple[float, int, bool]
 
 
 class Following(NamedTuple):
-    """Options of some states, and the states that follow them."""
+    """Actions (options) that can be started in some states, and transitions to the states that follow."""
 
     state: IntArray
     """(options,) number of the state in which each option can be started, ascending."""
@@ -36,10 +36,11 @@ class Following(NamedTuple):
 
 
 class StateRows:
-    """Rows of the states in one strongly connected component, and of those just beyond it.
+    """Conversion between states and rows of integers, for one strongly connected component of a network.
 
-    A row (1 + counters,) has the index of a situation in `names`, then the number of Fails of each counter
-    that can still matter there.
+    States outside the component that directly follow one inside have rows, too. A row (1 + counters,) is the
+    index of a situation in `names`, then the number of Fails by each of `counters`; 0 for a counter whose
+    actions can no longer be started from there.
     """
 
     def __init__(self, process: Process, part: int, carried: Sequence[int] = ()) -> None:
@@ -126,8 +127,10 @@ class StateRows:
         return self._process.after.at(self.names[int(row[0])], counts)
 
     def excluded(self, rows: Uint16Array) -> BoolArray:
-        """Return a mask (n, actions) of the actions that are excluded in each row (n, 1 + counters) and stay
-        so.
+        """Return a mask (n, actions) of the actions whose attempts are used up and cannot be given back.
+
+        Args:
+            rows: (n, 1 + counters) a row for each state.
         """
         return np.asarray(self._out(rows, np.arange(len(self.actions))) & ~self._returns)
 
@@ -189,7 +192,12 @@ def _endings(process: Process, action: Action) -> list[tuple[float, str, bool]]:
 
 
 def counters_of(process: Process, part: int) -> list[int]:
-    """Return the counters that can differ between states of a component."""
+    """Return the counters whose number of Fails can differ between the states of a component.
+
+    Args:
+        process: the network.
+        part: number of the component.
+    """
     network, names = process.network, process.parts[part]
     found = dict.fromkeys(action.counter for name in names for action in process.out[name])
     for counter, shared in network.shared.items():

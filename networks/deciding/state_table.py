@@ -18,7 +18,7 @@ STOP_CHOICE = -1
 
 
 class Choices(NamedTuple):
-    """Best option of each state, by assumed expected costs of the states that follow."""
+    """Best option (action) in each state of a `StateTable`, and its cost, for given costs of later states."""
 
     cost: FloatArray
     """(states,) least expected cost, in [s]; infinite for states that were not expanded."""
@@ -27,9 +27,10 @@ class Choices(NamedTuple):
 
 
 class StateTable:
-    """States as rows; those that were expanded have options.
+    """Table of a component's states, with bounds of their expected costs, for `ComponentSearch`.
 
-    The states just beyond the component are included; the search sets their bounds.
+    An expanded state also has its options (the actions that can be started) and their transitions. States
+    outside the component that directly follow one inside are included; the search sets their bounds.
     """
 
     def __init__(self, rows: StateRows, bounds: SituationValues, part: int) -> None:
@@ -92,7 +93,13 @@ class StateTable:
         return self._numbers.get(key)
 
     def add(self, rows: Uint16Array) -> IntArray:
-        """Return the numbers of states (n, 1 + counters); new ones are bounded by their situations."""
+        """Add states that are not in the table yet, and return the numbers (n,) of all given states.
+
+        The cost bounds of new states are those of their situations.
+
+        Args:
+            rows: (n, 1 + counters) a row for each state.
+        """
         numbers, new = self._numbers, list[int]()
         found = np.empty(len(rows), np.int64)
         width = rows.shape[1] * rows.itemsize
@@ -121,7 +128,7 @@ class StateTable:
         self._expanded.extend(np.zeros(len(rows), bool))
 
     def expand(self, numbers: IntArray) -> None:
-        """Look for the options of states in the component that were not expanded before.
+        """Compute the options of states in the component that are not expanded yet.
 
         Args:
             numbers: (n,) numbers of these states in the table.
@@ -219,14 +226,14 @@ class StateTable:
         return count, np.repeat(begin - np.cumsum(count) + count, count) + np.arange(count.sum())
 
     def after(self, options: IntArray) -> tuple[IntArray, IntArray, FloatArray]:
-        """Return the transitions of some options.
+        """Return the transitions to other states by some options (actions started in a state).
 
         Args:
             options: (n,) numbers of the options; `STOP_CHOICE` has no transitions.
 
         Returns:
-            Arrays (k,) over the transitions: index of the option in `options`, number of the following state,
-                and probability on condition that the state is left.
+            Three arrays (k,) over the transitions: index of the option in `options`, number of the state that
+                follows, and the transition's probability given that the state does not remain the same.
         """
         acting = np.flatnonzero(options != STOP_CHOICE)
         chosen = options[acting]

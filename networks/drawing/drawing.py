@@ -11,8 +11,9 @@ from .network_picture import draw_network
 
 
 def to_mermaid(network: ActionNetwork, title: str = "") -> str:
-    """Return the network as a Mermaid flowchart: Success solid, declared Fail dotted, repeated parts
-    framed.
+    """Return the network as a Mermaid flowchart, with a box for each situation and an arrow for each action.
+
+    Dotted arrows lead to the situations after Fails, if the file names any. Repeated parts have a frame.
     """
     folded = fold(network)
     number = _numbers(folded)
@@ -36,7 +37,7 @@ def to_mermaid(network: ActionNetwork, title: str = "") -> str:
 
 
 def to_dot(network: ActionNetwork, title: str = "") -> str:
-    """Return the network in the language of Graphviz; repeated parts are clusters."""
+    """Return the network in the language of Graphviz (DOT), with repeated parts as clusters."""
     folded = fold(network)
     number = _numbers(folded)
     newline = chr(92) + "n"

@@ -17,7 +17,7 @@ MAX_LINE_CHARS = 40
 
 @dataclass(frozen=True)
 class Spot:
-    """A situation, or its copies in all elements."""
+    """A situation drawn once: one of the network, or all copies that a `repeat` makes of one in the file."""
 
     name: str
     """Name as written in the file."""
@@ -30,7 +30,7 @@ class Spot:
 
 @dataclass(frozen=True)
 class FoldedAction:
-    """An action, or its copies in all elements."""
+    """An action drawn once: one of the network, or all copies that a `repeat` makes of one in the file."""
 
     source: Spot
     target: Spot
@@ -48,7 +48,7 @@ class FoldedAction:
 
 @dataclass(frozen=True, eq=False)
 class RepeatedPart:
-    """A repeated part of the network."""
+    """Part of the network that a `repeat` copies for each of its elements, drawn once in a frame."""
 
     title: str
     """Title that names the repeated elements."""
@@ -74,7 +74,7 @@ class FoldedNetwork:
 
 
 def fold(network: ActionNetwork) -> FoldedNetwork:
-    """Put the copies of each situation, and of each action, together."""
+    """Return the network with all copies made by a `repeat` merged into one situation or action each."""
     copies: dict[tuple[str, int], list[Situation]] = {}
     for situation in network.situations.values():
         copies.setdefault(_called(situation), []).append(situation)

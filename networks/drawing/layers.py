@@ -67,7 +67,8 @@ def lay_out(boxes: Mapping[Key, Size], edges: Sequence[LayerEdge], first: Key) -
     Args:
         boxes: sizes of the boxes, by their keys.
         edges: edges between the boxes.
-        first: key of the first box, such as a network's start: edges that lead back to it close circles.
+        first: key of the first box, such as a network's start; an edge that leads back to it is drawn
+            backwards.
     """
     rank = _ranks(boxes, edges, first)
     columns: list[list[Key]] = [[] for _ in range(max(rank.values()) + 1)]

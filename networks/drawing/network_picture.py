@@ -70,7 +70,7 @@ class DrawnFrame(NamedTuple):
 
 
 class DrawnLink(NamedTuple):
-    """Line through points, with stretches that are straight and curved in turn, the first one straight."""
+    """Line of an action's link through points; its segments are straight and curved by turns."""
 
     points: tuple[Point, ...]
     travelled: bool

@@ -11,14 +11,14 @@ from .entry import OTHER_CAUSES, EndingChance, FailChance, TaskEntry
 
 
 class ThenEntry(EndingChance):
-    """A situation that Success may lead to."""
+    """Entry of an action's `then` in a task file, for one of several situations that Success may lead to."""
 
     target: Annotated[str, Field(alias="to")]
     """The situation."""
 
 
 class FailEntry(FailChance):
-    """Result of a Fail of a certain cause: the situation that it leads to."""
+    """Entry of an action's `on_fail` in a task file, for Fails of one cause."""
 
     to: str | None = None
     """The situation: same facts, other knowledge (default: it remains as it is)."""
@@ -50,12 +50,12 @@ class ActionEntry(TaskEntry):
 
     @property
     def target(self) -> str:
-        """The situation that Success usually leads to."""
+        """The situation that Success leads to; the first one if there are several."""
         return self.then[0].target if self.then else self.to
 
     @cached_property
     def endings(self) -> list[ThenEntry]:
-        """The situations that Success may lead to, the usual one first."""
+        """All situations that Success may lead to, each with its probability, in the order of the file."""
         return self.then or [ThenEntry.model_construct(target=self.to, p=self.p, result="")]
 
     @property
@@ -65,7 +65,7 @@ class ActionEntry(TaskEntry):
 
     @property
     def on_fail(self) -> str | None:
-        """Situation that a Fail leads to if its cause has none of its own; None: the situation stays."""
+        """Situation that a Fail leads to if its cause has no entry; None if the situation does not change."""
         if isinstance(self.fails, str):
             return self.fails
         named = self._by_cause.get(OTHER_CAUSES)

@@ -43,7 +43,7 @@ RoundCount = Annotated[int, Field(ge=1, le=1_000_000)] | Literal["forever"]
 
 
 class RoundsEntry(FileModel):
-    """Repetition of a task."""
+    """Keys for the repetition of a task, with the number of its rounds and the times at which they begin."""
 
     most: RoundCount = "forever"
     """Number of rounds."""
@@ -101,14 +101,14 @@ class InterruptEntry(FileModel):
 
 
 class SituationInterrupt(InterruptEntry):
-    """An interrupt of a network that is written."""
+    """An interrupt of a task file with situations; its goal is one of them."""
 
     goal: str
     """Situation to be reached first; from there the run continues to the task's goal."""
 
 
 class ConditionInterrupt(InterruptEntry):
-    """An interrupt of a network that is generated."""
+    """An interrupt of a task file with conditions, from which the network is generated."""
 
     goal: Annotated[Conditions, Field(min_length=1)]
     """Facts that are to hold first; from there the run continues to the task's goal."""
@@ -127,7 +127,7 @@ class AimsHead(FileModel):
 
         Args:
             entries: the file's interrupts.
-            goals: situations of the network that end an interrupt, by its number.
+            goals: function that returns the situations ending an interrupt, given the interrupt's number.
         """
         interrupts = tuple(entry.interrupt(goals(number)) for number, entry in enumerate(entries))
         return Aims(self.time_out_s, self._rounds(), interrupts)

@@ -19,7 +19,7 @@ Conditions = dict[str, Fact | Values]
 
 
 class ConditionEnding(EndingChance):
-    """Possible changes by a Success: facts by their names, and the probability."""
+    """New values of facts by one of several kinds of Success, with the probability of this kind."""
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Fact] = Field(init=False)
@@ -38,7 +38,10 @@ class ConditionFail(FailChance):
 
 
 class ConditionEntry(TaskEntry):
-    """One action, in every situation in which its conditions hold."""
+    """Entry for an action in a task file with conditions.
+
+    The generated network has this action in every situation in which the entry's conditions hold.
+    """
 
     condition: Annotated[Conditions, Field(alias="if", default_factory=dict)]
     """Facts that have to hold; one that is not named may have any value."""
@@ -67,27 +70,27 @@ class ConditionEntry(TaskEntry):
 
     @property
     def source(self) -> str:
-        """The conditions in words."""
+        """Conditions under which the action can be done, as text."""
         return facts_in_words(self.condition) or "anywhere"
 
     @property
     def target(self) -> str:
-        """The usual effect in words."""
+        """Changes by a Success as text; the first ones if several are possible."""
         return facts_in_words(self.endings[0].changes) or "the same"
 
     @property
     def on_fail(self) -> str | None:
-        """Facts that become known by a Fail of a cause that is not named, in words."""
+        """Facts, as text, that the robot knows after a Fail of a cause without an entry in `on_fail`."""
         return self._known_in_words(OTHER_CAUSES)
 
     @property
     def fail_entries(self) -> dict[str, ConditionFail]:
-        """Facts that become known by Fails of named causes."""
+        """Facts that the robot knows after a Fail, for each cause that `on_fail` names."""
         return {cause: fail for cause, fail in self.fails.items() if cause != OTHER_CAUSES}
 
     @property
     def p_success(self) -> float | None:
-        """Probability of Success, whatever its effect; None: not given."""
+        """Probability of Success, with any of its effects; None if the file does not state it."""
         every = [ending.p for ending in self.endings]
         return None if None in every else sum(p or 0.0 for p in every)
 

@@ -28,7 +28,10 @@ def has_conditions(document: Document) -> bool:
 
 
 class ConditionReader:
-    """Reader of the conditions of a generated network; wrong types are reported with the complete file."""
+    """Reader of the conditions in a task file, from which the task's network is generated.
+
+    It ignores values of a wrong type, because the validation of the complete file reports these.
+    """
 
     def __init__(self, document: Document) -> None:
         """Read the facts, their values at the start, and the conditions of goals and interrupts."""
@@ -45,7 +48,15 @@ class ConditionReader:
         self._otherwise: list[Conditions] = otherwise if isinstance(otherwise, list) else [otherwise]
 
     def generated(self, entries: Mapping[int, ConditionEntry], findings: Findings) -> Generated | None:
-        """Return the network of the entries, given by number; None if wrong, with faults in `findings`."""
+        """Return the network generated from the file's actions.
+
+        Args:
+            entries: actions of the file, by number.
+            findings: list to which the faults of the conditions are added.
+
+        Returns:
+            The network; None if there are faults, or the goal cannot be read.
+        """
         before = len(findings)
         for path, fault in self._faults(entries):
             findings.add(self._document.finding(path, fault))

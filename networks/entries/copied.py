@@ -11,7 +11,7 @@ from handcart.files.yaml.yaml_node import KeyPath
 
 @dataclass(frozen=True)
 class Element:
-    """An element of a repeated part."""
+    """One of the values for which a `repeat` in a task file copies a part of the network."""
 
     number: int
     """Number of the element in its part, from 0."""
@@ -26,13 +26,16 @@ class Element:
     """Element of the surrounding part; None for an element of an outermost part."""
 
     def chain(self) -> list[Element]:
-        """Return the element and those around it, the outermost first."""
+        """Return this element and the elements of the repeated parts around it, the outermost first."""
         return [*(self.around.chain() if self.around else ()), self]
 
 
 @dataclass(frozen=True)
 class Copied:
-    """Action of the network that is built from a task file: a copy of an action of the file, or a skip."""
+    """Action of the network that is built from a task file.
+
+    It is a copy of an action of the file, or a skip, which leaves an element of a `repeat` undone.
+    """
 
     source: str
     target: str
@@ -49,7 +52,7 @@ class Copied:
 
 @dataclass(frozen=True)
 class Copies:
-    """A network's situations and actions after copying."""
+    """Situations and actions of the network that is built from a task file, all copies included."""
 
     situations: Mapping[str, tuple[str, Element | None]]
     """Name in the file, and element, of each situation by its name in the network."""

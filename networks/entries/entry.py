@@ -34,7 +34,7 @@ class AttemptsEntry(FileModel):
 
 
 class EndingChance(FileModel):
-    """A possible end of an attempt in Success."""
+    """Keys for one of several results of a Success, with its probability."""
 
     p: Probability | None = None
     """Probability that an attempt ends so."""
@@ -43,7 +43,7 @@ class EndingChance(FileModel):
 
 
 class FailChance(FileModel):
-    """A possible end of an attempt in a Fail of one cause."""
+    """Keys for a Fail of one cause, with its probability."""
 
     p: Probability | None = None
     """Probability that an attempt fails so."""
@@ -110,7 +110,7 @@ class TaskEntry(FileModel):
 
     @cached_property
     def limit(self) -> AttemptsEntry:
-        """The limit on its Fails."""
+        """Limit on the action's Fails; a plain number in the file is its maximum, without renewals."""
         if isinstance(self.attempts, AttemptsEntry):
             return self.attempts
         return AttemptsEntry.model_construct(

@@ -26,7 +26,10 @@ RESERVED_NAMES = ("p", "result")
 
 @dataclass(frozen=True)
 class FactSpace:
-    """Facts and knowledge of a task."""
+    """Names and possible values of a task's facts; a `State` is a value's index for each fact.
+
+    Physical facts hold in the world; known ones only describe what the robot knows.
+    """
 
     facts: Mapping[str, Sequence[Fact]]
     """Possible values of each physical fact, the first at the start."""
@@ -48,22 +51,32 @@ class FactSpace:
         return [{_key(v): number for number, v in enumerate(value)} for value in self.values.values()]
 
     def start(self, given: Mapping[str, Fact]) -> State:
-        """Return the state at the start; `given` are the facts that are not at the first of their values."""
+        """Return the state at the start of a run.
+
+        Args:
+            given: values by fact; all other facts have the first of their values.
+        """
         return self.changed((0,) * len(self.values), self.change(given))
 
     def condition(self, given: Mapping[str, object]) -> Condition:
-        """Return conditions as numbers of facts and indices of allowed values; all names and values are
-        known.
+        """Return conditions as numbers of facts, each with the indices of its allowed values.
+
+        Args:
+            given: allowed value, or list of allowed values, by fact; all names and values must be valid.
         """
         listed = ((name, item if isinstance(item, list) else [item]) for name, item in given.items())
         return tuple((self.number[name], self._numbers(name, item)) for name, item in listed)
 
     def change(self, given: Mapping[str, Fact]) -> Change:
-        """Return changes as numbers of facts and indices of new values; all names and values are known."""
+        """Return changes as numbers of facts, each with the index of its new value.
+
+        Args:
+            given: new value by fact; all names and values must be valid.
+        """
         return tuple((self.number[name], self._numbered(name, value)) for name, value in given.items())
 
     def changed(self, state: State, change: Change) -> State:
-        """Return the state after a change."""
+        """Return the state after a change of some facts; all others keep their values."""
         values = list(state)
         for fact, value in change:
             values[fact] = value
@@ -76,7 +89,10 @@ class FactSpace:
         }
 
     def name_of(self, state: State) -> str:
-        """Return the name of a state: its facts, and what is known beyond the start."""
+        """Return the name of a state's situation, which lists values of facts.
+
+        These are all physical facts, and known facts that do not have the first of their values.
+        """
         stated = (
             (name, values[number])
             for (name, values), number in zip(self.values.items(), state, strict=True)
@@ -85,7 +101,7 @@ class FactSpace:
         return ", ".join(self._words(name, value) for name, value in stated)
 
     def words(self, conditions: Mapping[str, object]) -> str:
-        """Return the name of the situations in which conditions hold."""
+        """Return conditions as text, in the form of a situation's name."""
         return ", ".join(self._words(name, value) for name, value in conditions.items())
 
     def _words(self, name: str, value: object) -> str:
@@ -113,7 +129,7 @@ class FactSpace:
     # What is wrong, by keys in the file
 
     def faults(self) -> Faults:
-        """Yield what is wrong with the names and values."""
+        """Yield the faults of the facts' names and of their possible values, such as a value listed twice."""
         for key, names in (("facts", self.facts), ("known", self.known)):
             for name, values in names.items():
                 if name in RESERVED_NAMES:
@@ -128,11 +144,11 @@ class FactSpace:
                 yield ("known", name), f"{name!r} is one of `facts`; allowed: another name"
 
     def given_faults(self, path: KeyPath, given: Mapping[str, object], only_known: bool = False) -> Faults:
-        """Yield the unknown names and values among conditions or changes.
+        """Yield the unknown names and values among conditions, or among changes, of facts.
 
         Args:
-            path: their key in the file.
-            given: values, or lists of values, by name.
+            path: key path in the file of the conditions or changes.
+            given: values, or lists of values, by the fact's name.
             only_known: True if physical facts are rejected.
         """
         allowed = self.known if only_known else self.values
@@ -157,7 +173,7 @@ class FactSpace:
                 yield at, f"{name} is never {value_in_words(one)!r}{said}"
 
     def entry_faults(self, entry: ConditionEntry) -> Faults:
-        """Yield the unknown names and values of an entry, by the keys below it."""
+        """Yield the unknown facts and values in an action of the file, with key paths from its entry on."""
         yield from self.given_faults(("if",), entry.condition)
         for number, ending in enumerate(entry.endings):
             yield from self.given_faults(("then",) if entry.is_plain else ("then", number), ending.changes)

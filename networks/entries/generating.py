@@ -21,7 +21,7 @@ MAX_SITUATIONS = 50_000
 
 
 class NotGenerated(ValueError):
-    """Error in conditions that span no valid network; the message says why."""
+    """Error in conditions from which no valid network can be generated; the message gives the reason."""
 
     def __init__(self, message: str, key: str = "facts") -> None:
         super().__init__(message)
@@ -68,9 +68,10 @@ class _Rule:
 
 
 class NetworkGenerator:
-    """Generator of a network, which follows all actions from the start to the situations that they lead to.
+    """Generator of a network from conditions.
 
-    All situations in which the goal's conditions hold are one.
+    From the start, it follows every action whose conditions hold to the situations that the action leads to.
+    All situations in which the goal's conditions hold become one.
     """
 
     def __init__(
@@ -104,16 +105,17 @@ class NetworkGenerator:
         otherwise: Sequence[Conditions] = (),
         interrupts: Sequence[Conditions] = (),
     ) -> Generated:
-        """Return the network from a start.
+        """Return the network of all situations that can be reached from a start.
 
         Args:
-            start: facts at the start that are not the first of their values.
-            otherwise: conditions to be met when no route to the goal is left, in order of preference.
-            interrupts: conditions that end interrupts.
+            start: values by fact at the start; all other facts have the first of their values.
+            otherwise: conditions of the situations to go to when no route to the goal is left, the most
+                preferred first.
+            interrupts: for each interrupt of the file, conditions of the situations that end it.
 
         Raises:
-            NotGenerated: it has more than `MAX_SITUATIONS` situations or `MAX_ACTIONS` actions, or a Fail
-                leads to the goal, of which not all facts are known.
+            NotGenerated: the network has more than `MAX_SITUATIONS` situations or `MAX_ACTIONS` actions, or a
+                Fail leads to the goal, although not all facts of the goal are determined.
         """
         first = self._name(_Place(self._space.start(start), 0))
         actions: list[Copied] = []

@@ -15,19 +15,24 @@ class TooManyGoals(ValueError):
 
 
 def goal_copy(name: str, number: int) -> str:
-    """Return the name of a situation on the way to goal `number`, from 0."""
+    """Return the name of a situation's copy in the part of the network that leads to a goal.
+
+    Args:
+        name: name of the situation.
+        number: number of the goal in the task's order, from 0; copies for goal 0 keep the plain name.
+    """
     return name if number == 0 else f"{name} (goal {number + 1})"
 
 
 def goals_in_order(network: Copies, goals: Sequence[str]) -> Copies:
-    """Return a network in which one goal after the other is reached; its last copy has the last goal.
+    """Return a network that reaches several goals one after the other, with a copy of `network` for each.
 
     Args:
-        network: the network.
-        goals: its situations to be reached, in order.
+        network: the network to copy.
+        goals: situations of `network` to be reached, in this order.
 
     Raises:
-        TooManyGoals: it would have more than `MAX_ACTIONS` actions.
+        TooManyGoals: the new network would have more than `MAX_ACTIONS` actions.
     """
     count = len(network.actions) * len(goals)
     if count > MAX_ACTIONS:

@@ -16,7 +16,7 @@ from .run_end import RunEnd
 
 @dataclass(frozen=True)
 class Planned:
-    """Event of a plan that was made, or of no plan having been found."""
+    """Event after planning, whether a route was found or not."""
 
     time: float
     """The robot's time, in [s], as in all events."""
@@ -71,7 +71,7 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class AimChanged:
-    """Event: a round or an interrupt begins, or the goal is abandoned."""
+    """Event: a round of a repeated task or an interrupt begins, or the goal is abandoned."""
 
     time: float
     words: str

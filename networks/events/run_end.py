@@ -38,5 +38,8 @@ class RunEnd:
 
     @property
     def exit_status(self) -> int:
-        """0 Success, 3 no way left, 4 a person has to help, 5 a fault of the program, 130 interrupted."""
+        """Exit status of the program after the run.
+
+        0 Success, 3 no way left, 4 a person has to help, 5 a fault of the program, 130 interrupted.
+        """
         return _STATUS[self.outcome]

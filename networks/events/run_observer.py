@@ -34,5 +34,11 @@ class RunObserver:
         """Handle the last call: the run has ended, or could not continue. Called once."""
 
     def figures(self, end: RunEnd) -> Mapping[str, Any]:
-        """Return plain data for the `metrics` of a run that has ended."""
+        """Return figures of a run that has ended, to be added to the `metrics` of its result.
+
+        The values can be written as JSON.
+
+        Args:
+            end: end of the run.
+        """
         return {}

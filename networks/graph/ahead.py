@@ -8,7 +8,10 @@ from .network import ActionNetwork
 
 
 def ways_of(network: ActionNetwork) -> nx.DiGraph[str]:
-    """Return every step of a run, Fails included, as a graph of situations; no step leaves the goal."""
+    """Return the graph of situations with an edge for each Success or Fail that leads to another one.
+
+    No edge starts from the goal.
+    """
     ways: nx.DiGraph[str] = nx.DiGraph()
     ways.add_nodes_from(network.situations)
     for action in network.actions:
@@ -18,7 +21,10 @@ def ways_of(network: ActionNetwork) -> nx.DiGraph[str]:
 
 
 class Ahead:
-    """Reachable situations of each situation, stored as the bits of an integer so that thousands fit."""
+    """Situations that a run can still reach from each situation of a network.
+
+    Each set of situations is an integer with a bit for each situation, to save memory in large networks.
+    """
 
     def __init__(self, network: ActionNetwork) -> None:
         """Compute the reachable situations of a network."""
@@ -34,9 +40,9 @@ class Ahead:
         self._reached = {name: reached[part] for name, part in whole.graph["mapping"].items()}
 
     def bit(self, situation: str) -> int:
-        """Return the bit of a situation."""
+        """Return an integer in which only the bit of the given situation is set."""
         return self._bit[situation]
 
     def bits(self, situation: str) -> int:
-        """Return the bits of all situations that a run in `situation` can still reach, itself included."""
+        """Return an integer with the bits of all situations reachable from `situation`, itself included."""
         return self._reached[situation]

@@ -104,7 +104,10 @@ class Aims:
 
     @property
     def begins_at(self) -> time | None:
-        """Time of day at which a rehearsal begins: the first one of the aims; None if they have none."""
+        """Time of day at which a rehearsal (a run on a simulated robot) begins if no other one is given.
+
+        It is the first time of day of the rounds, otherwise of the interrupts; None if they have none.
+        """
         of_rounds = self.rounds.at if self.rounds else ()
         of_interrupts = (item for interrupt in self.interrupts for item in interrupt.at)
         return next(chain(of_rounds, of_interrupts), None)

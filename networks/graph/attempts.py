@@ -9,9 +9,10 @@ MAX_ATTEMPTS = 20
 
 
 class Attempts(NamedTuple):
-    """Limit on the Fails of an action, or of several that share it.
+    """Limit on the Fails of an action, or of several actions together, after which they are excluded.
 
-    The count of a run holds Fails and renewals in one number: `renewals * width + fails`.
+    A renewal sets the Fails back to 0. A run's count holds Fails and renewals so far in one number, which is
+    `renewals * width + fails`.
     """
 
     limit: int = 3
@@ -23,12 +24,12 @@ class Attempts(NamedTuple):
 
     @property
     def width(self) -> int:
-        """Number of counts until the next renewal."""
+        """Step of a run's count for each renewal, one more than the largest number of Fails."""
         return self.most + 1
 
     @property
     def most(self) -> int:
-        """Count of Fails at which the action is excluded."""
+        """Number of Fails since the last renewal at which the action is excluded."""
         return MAX_ATTEMPTS + 1 if self.unlimited else self.limit
 
     def fails(self, count: int) -> int:
@@ -36,20 +37,20 @@ class Attempts(NamedTuple):
         return count % self.width
 
     def is_out(self, count: int) -> bool:
-        """Return whether the action is excluded."""
+        """Return whether the action is excluded at a run's count of Fails and renewals."""
         return count % self.width >= self.most
 
     def failed(self, count: int) -> int:
-        """Return the count after one more Fail."""
+        """Return a run's count (of Fails and renewals) after one more Fail."""
         fails = count % self.width
         last = MAX_ATTEMPTS if self.unlimited else self.limit
         return count + 1 if fails < last else count
 
     def used_up(self, count: int) -> int:
-        """Return the count after a Fail for good."""
+        """Return a run's count after a Fail that uses up all attempts at once."""
         return count - count % self.width + self.most
 
     def renewed(self, count: int) -> int:
-        """Return the count after a renewal; unchanged if nothing has failed or no renewal is left."""
+        """Return a run's count after a renewal; unchanged if nothing has failed or no renewal is left."""
         renewals, fails = divmod(count, self.width)
         return (renewals + 1) * self.width if fails and renewals < self.renewals else count

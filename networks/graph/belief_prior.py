@@ -7,7 +7,11 @@ from typing import Any, NamedTuple
 
 
 class BeliefPrior(NamedTuple):
-    """Weight of the file's probabilities, and the actions that share a belief."""
+    """Beliefs in the actions' outcome probabilities at the start of a run, which learns them from outcomes.
+
+    The probabilities in the task's file weigh as much as a number of observed attempts. Actions of the
+    network that are copies of one action of the file share one belief.
+    """
 
     attempts: float
     """Number of attempts that `p` of the file counts for."""
@@ -16,20 +20,33 @@ class BeliefPrior(NamedTuple):
 
     @classmethod
     def of(cls, attempts: float | None, entries: Sequence[int | None]) -> BeliefPrior | None:
-        """Return the prior of a task; None if its probabilities hold throughout."""
+        """Return the prior of a task.
+
+        Args:
+            attempts: number of attempts that the file's probabilities count for; None if a run does not learn
+                probabilities.
+            entries: number in the file of each action of the network; None for a skip.
+
+        Returns:
+            The prior; None if `attempts` is None.
+        """
         if attempts is None:
             return None
         return cls(attempts, tuple(-1 if entry is None else entry for entry in entries))
 
     @classmethod
     def read(cls, fields: Mapping[str, Any]) -> BeliefPrior | None:
-        """Return the prior in a journal's header; None without one."""
+        """Return the prior from the fields of a journal's header; None if the header has no prior."""
         kept = fields.get("belief")
         return None if kept is None else cls(float(kept["attempts"]), tuple(map(int, kept["entries"])))
 
 
 class Judged(NamedTuple):
-    """Choice between two policies for one plan, by the beliefs in the actions' probabilities at that time."""
+    """Choice between the rule and the policy of the task's file for one plan, made by the present beliefs.
+
+    The rule takes the cheapest route. Outcome probabilities are drawn from the beliefs many times, and the
+    costs of both policies are compared in each draw.
+    """
 
     follows: str
     """Policy that the plan follows: `rule`, or that of the file."""
@@ -41,13 +58,13 @@ class Judged(NamedTuple):
     """Number of each entry whose belief differs from the prior, and its weights a, b of Success and Fail."""
 
     def fields(self) -> dict[str, Any]:
-        """Return the judgement as fields of a journal's record."""
+        """Return the choice as fields of a journal's record."""
         beliefs = [[entry, round(a, 6), round(b, 6)] for entry, a, b in self.beliefs]
         kept = {"follows": self.follows, "better": round(self.better, 6), "saved_s": round(self.saved_s, 6)}
         return {**kept, "beliefs": beliefs}
 
     @classmethod
     def read(cls, fields: Mapping[str, Any]) -> Judged:
-        """Return the judgement in a journal."""
+        """Return the choice from the fields of a journal's record, as written by `fields`."""
         beliefs = tuple((int(entry), float(a), float(b)) for entry, a, b in fields["beliefs"])
         return cls(str(fields["follows"]), float(fields["better"]), float(fields["saved_s"]), beliefs)

@@ -11,10 +11,10 @@ Ways = Sequence[Sequence[tuple[int, tuple[int, ...]]]]
 
 
 class CheapestTree:
-    """Tree of the cheapest routes from all situations to the goal.
+    """Tree of the cheapest routes from all situations to the goal, before any action has failed.
 
-    It answers at once whether a Fail has made the route of a situation more expensive, because the situations
-    of each subtree have consecutive numbers in a depth-first order.
+    The situations of each subtree have consecutive numbers in a depth-first order. A Fail makes the routes of
+    one subtree more expensive, so that comparing numbers shows whether it concerns a situation's route.
     """
 
     def __init__(self, ways: Ways, base: Sequence[float], goal: int) -> None:
@@ -68,25 +68,24 @@ class CheapestTree:
         return enter, [begin + item for begin, item in zip(enter, size, strict=True)]
 
     def spoiled(self, failed: Mapping[int, float]) -> list[tuple[int, int]]:
-        """Return the situations whose routes contain a failed action, as intervals of their depth-first
-        numbers.
+        """Return the situations whose cheapest routes contain a failed action.
 
         Args:
             failed: weights of the failed actions by the actions' numbers; only the numbers are used.
 
         Returns:
-            First number of each interval, and the number after its last one.
+            Intervals of the situations' numbers in depth-first order, each as its first number and the number
+                after its last one.
         """
         sources = (self._source[index] for index in failed if index in self._source)
         return [(self._enter[here], self._leave[here]) for here in sources]
 
     def is_spoiled(self, here: int, spoiled: Iterable[tuple[int, int]]) -> bool:
-        """Return whether the route of a situation contains a failed action.
+        """Return whether the cheapest route of a situation contains a failed action.
 
         Args:
             here: number of the situation in the network.
-            spoiled: intervals of depth-first numbers, each with its first number and the number after its
-                last.
+            spoiled: intervals of situations, as returned by `spoiled`.
         """
         number = self._enter[here]
         for enter, leave in spoiled:  # noqa: SIM110 (a generator takes twice as long)

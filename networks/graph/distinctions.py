@@ -21,10 +21,16 @@ class SiblingAction(NamedTuple):
 
 
 def distinctions(actions: Sequence[SiblingAction | None]) -> dict[int, str]:
-    """Return the text that distinguishes each action from those like it, by its place in the sequence.
+    """Return a text that distinguishes each action from actions with the same primitive and situations.
 
-    Actions are alike that do the same primitive between the same situations. The words are the parameters in
-    which they differ, such as `looks: 8`; where none differs, the cost. None entries are left out.
+    The text has the parameters in which these actions differ, such as `looks: 8`, or the cost if no parameter
+    differs.
+
+    Args:
+        actions: the actions; None (for a skip) is ignored.
+
+    Returns:
+        The text by the action's index in `actions`; actions that need none are missing.
     """
     alike: dict[tuple[str, ...], list[int]] = {}
     for place, action in enumerate(actions):

@@ -63,7 +63,7 @@ class Binding:
 
     @classmethod
     def of(cls, primitive: ActionPrimitive) -> Binding:
-        """Return a binding of a primitive all of whose parameters are known."""
+        """Return a binding of a primitive with known values of all parameters, all of them fixed."""
         return cls(type(primitive), {name: getattr(primitive, name) for name in type(primitive).model_fields})
 
     @cached_property
@@ -97,7 +97,7 @@ class Binding:
         return {**dumped, **late}
 
     def given(self) -> dict[str, Any]:
-        """Return the parameters as a task file contains them, without those at the primitive's defaults."""
+        """Return the parameters that differ from the primitive's defaults, as a task file contains them."""
         usual = {name: field.default for name, field in self.kind.model_fields.items()}
         said = self.said()
         return {name: said[name] for name in said if name in self.late or self.fixed[name] != usual.get(name)}
@@ -168,7 +168,7 @@ class Action:
 
     @property
     def fail_situations(self) -> tuple[str, ...]:
-        """Other situations that a Fail may lead to, each once."""
+        """Situations that Fails may lead to, each once; a Fail without its own situation leads to none."""
         named = (*(ending.target for ending in self.fail_endings), self.on_fail)
         return tuple(dict.fromkeys(item for item in named if item is not None))
 
@@ -183,10 +183,12 @@ class Action:
         return None if self.p is None else self.p + sum(other.p or 0.0 for other in self.others)
 
     def further(self, with_chances: bool) -> tuple[object, ...]:
-        """Return what planning depends on besides the route and its cost; empty for a plain action.
+        """Return data that planning depends on besides situations, cost and number of attempts.
+
+        These are further results, Fails' situations, shared or renewed attempts; empty for a plain action.
 
         Args:
-            with_chances: whether it depends on the probabilities of the outcomes.
+            with_chances: whether planning also depends on the probabilities of the outcomes.
         """
         found: tuple[object, ...] = ()
         if with_chances:
@@ -200,7 +202,7 @@ class Action:
         return found
 
     def target_of(self, result: str) -> str:
-        """Return the situation after a Success with this result; the first for an unknown one."""
+        """Return the situation after a Success with a given result; `target` if the result is unknown."""
         return next((other.target for other in self.others if other.result == result), self.target)
 
     @property
@@ -210,7 +212,7 @@ class Action:
 
     @property
     def name(self) -> str:
-        """The primitive's name, with the action's distinction from others like it."""
+        """The primitive's name, followed by the action's `distinction` if other actions do the same."""
         return f"{self.do} with {self.distinction}" if self.distinction else self.do
 
     def __str__(self) -> str:
@@ -221,7 +223,7 @@ class Action:
 class ActionNetwork:
     """Situations and actions as a directed multigraph that never changes.
 
-    Each edge has its action's number as key and the action under `action`.
+    Each edge of `graph` has its action's number as key, and the action as its attribute `action`.
     """
 
     graph: nx.MultiDiGraph[str]
@@ -276,7 +278,7 @@ class ActionNetwork:
 
     @cached_property
     def shared(self) -> Mapping[int, tuple[Action, ...]]:
-        """The actions of each counter of Fails, by the counter's number."""
+        """The actions that share a counter of Fails, by the counter's number (`Action.counter`)."""
         found: dict[int, list[Action]] = {}
         for action in self.actions:
             found.setdefault(action.counter, []).append(action)
@@ -284,7 +286,7 @@ class ActionNetwork:
 
     @cached_property
     def renewed_by(self) -> Mapping[int, tuple[int, ...]]:
-        """Counters that begin again after a Success of an action, by the action's number."""
+        """Counters of Fails that a Success of an action sets back, by the action's number."""
         waiting: dict[tuple[str, str | None], dict[int, None]] = {}
         for action in self.actions:
             element = self.situations[action.source].element
@@ -296,11 +298,11 @@ class ActionNetwork:
         return {action.index: tuple(counters) for action, counters in named if counters}
 
     def bound(self) -> int:
-        """Return the most actions that any run can start, whatever fails: (A + 1)(V - 1) + A.
+        """Return the largest number of actions that any run can start, whatever fails: (A + 1)(V - 1) + A.
 
-        V situations, A attempts of all actions together: between two counted attempts a run visits no
-        situation twice. Where chance may lead a run in circles, it is ended after `MAX_ROUNDS` times as
-        many.
+        V is the number of situations, A that of the attempts of all actions together. Between two counted
+        attempts a run visits no situation twice. If a run may go in circles, the bound is `MAX_ROUNDS` times
+        as large, and the run is ended there.
         """
         counters = (actions[0] for actions in self.shared.values())
         attempts = sum(counter.allowance.most * (1 + counter.renewals) for counter in counters)
@@ -310,7 +312,7 @@ class ActionNetwork:
 
     @cached_property
     def may_circle(self) -> bool:
-        """True if chance may lead a run in circles: several results of a Success, unlimited attempts."""
+        """True if chance may lead a run in circles, by several results of a Success or unlimited attempts."""
         return any(action.others or action.unlimited for action in self.actions)
 
     def fingerprint(self) -> str:
@@ -358,7 +360,7 @@ def _compared(action: Action) -> SiblingAction | None:
 
 
 def faults_of(action: Action, known: Mapping[str, Situation]) -> list[tuple[str, str]]:
-    """Return the faults of an action among these situations.
+    """Return the faults of an action in a network with the given situations.
 
     Args:
         action: the action.

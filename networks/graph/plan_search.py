@@ -18,7 +18,7 @@ _SLACK = 1e-9
 
 
 class Segment(NamedTuple):
-    """First actions of a plan, up to a situation from which the rest is planned separately."""
+    """First actions of a plan, up to the goal or a situation in which the search has to begin again."""
 
     actions: tuple[Action, ...]
     end: str
@@ -31,12 +31,12 @@ class Segment(NamedTuple):
 
 
 class PlanSearch:
-    """Search for the same route as Dijkstra's over the complete network, with less work.
+    """Search for the cheapest route, with the result of Dijkstra's algorithm but less work.
 
-    A Fail only makes routes dearer, so the cost to the goal while nothing has failed is a lower bound: A*
-    finds the cheapest weight with it (Hart, Nilsson and Raphael, 1968). Then Dijkstra's search, with the
-    tie-break of networkx, looks only at situations that can lie on a route as cheap, and stops where all
-    of those routes meet.
+    Fails only make routes more expensive, so that the cost to the goal without any Fail is a lower bound.
+    With this bound, A* finds the cost of the cheapest route (Hart, Nilsson and Raphael, 1968). Then
+    Dijkstra's search, with the tie-break of networkx, visits only situations on routes of this cost. It ends
+    at the first situation that all of these routes have in common.
     """
 
     def __init__(self, network: ActionNetwork, goal: str | None = None) -> None:
@@ -64,11 +64,11 @@ class PlanSearch:
     ) -> tuple[Action, ...] | None:
         """Return the cheapest route to the goal; None if no route leads there.
 
-        It ends early with an action that gives attempts back, or has to fail, where no route of Successes is
-        left.
+        If no route of Successes is left, the route ends before the goal, with an action that gives attempts
+        back or that has to fail.
 
         Args:
-            situation: where the route begins.
+            situation: situation in which the route begins.
             fails: counts of Fails by counter (`Action.counter`), as in `Attempts`.
             without: numbers of further actions that are excluded.
         """
@@ -107,16 +107,34 @@ class PlanSearch:
         return found
 
     def segment(self, situation: str, fails: Mapping[int, int]) -> Segment | None:
-        """Return the first actions of `plan`; None if no route leads to the goal."""
+        """Return the first actions of the cheapest route; None if no route leads to the goal.
+
+        Args:
+            situation: situation in which the route begins.
+            fails: counts of Fails by counter (`Action.counter`), as in `Attempts`.
+        """
         return self._segment(self._place[situation], self._weights(fails), fails)
 
     def weights(self, actions: Iterable[Action], fails: Mapping[int, int]) -> list[float]:
-        """Return the weights of actions after these Fails, in [s]; infinite if excluded."""
+        """Return the weight of each action in planning, in [s].
+
+        Args:
+            actions: the actions.
+            fails: counts of Fails by counter (`Action.counter`), as in `Attempts`.
+
+        Returns:
+            The action's cost, doubled for each of its Fails; infinite if the action is excluded.
+        """
         known, base = self._weights(fails), self._base
         return [known.get(action.index, base[action.index]) for action in actions]
 
     def weight(self, action: Action, fails: Mapping[int, int]) -> float:
-        """Return the weight of an action after these Fails, in [s]; infinite if it is excluded."""
+        """Return the weight of an action in planning, in [s]; infinite if the action is excluded.
+
+        Args:
+            action: the action.
+            fails: counts of Fails by counter (`Action.counter`), as in `Attempts`.
+        """
         return self._weights(fails).get(action.index, self._base[action.index])
 
     def _segment(
@@ -239,9 +257,13 @@ class PlanSearch:
         return Segment((*way, last), last.target, renews=True)
 
     def renewing(self, fails: Mapping[int, int]) -> dict[int, dict[int, int]]:
-        """Return the numbers of the actions that give used-up attempts back.
+        """Return the actions whose Success gives used-up attempts back.
 
-        Each has the counters that it renews, mapped to their counts after its Success.
+        Args:
+            fails: counts of Fails by counter (`Action.counter`), as in `Attempts`.
+
+        Returns:
+            By the action's number, the counters that it renews, each with its count after the renewal.
         """
         found: dict[int, dict[int, int]] = {}
         for index, counters in self._network.renewed_by.items():
@@ -302,7 +324,10 @@ class PlanSearch:
 
 
 def hopes_of(action: Action) -> list[str]:
-    """Return the situations besides its target that an action may lead to, if their p is not 0."""
+    """Return the situations other than its target that an action may lead to by Fails or further results.
+
+    Those of probability 0 are left out.
+    """
     others = [other.target for other in action.others if other.p != 0.0]
     certain = action.p_success is not None and action.p_success + action.p_give_up >= 1.0 - 1e-12
     never = {ending.target for ending in action.fail_endings if ending.p == 0.0} - {action.on_fail}

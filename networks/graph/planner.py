@@ -45,10 +45,9 @@ class NoWay:
 
 
 class Planner:
-    """Planner by the rule, which takes the cheapest route, where each Fail of an action doubles the action's
-    weight.
+    """Planner by the rule, which takes the cheapest route, and doubles an action's cost after each Fail.
 
-    The network never changes: Fails are counted here.
+    The planner counts the Fails of a run; the network never changes.
     """
 
     def __init__(self, network: ActionNetwork, search: PlanSearch | None = None) -> None:
@@ -65,7 +64,11 @@ class Planner:
         self._reasons: dict[int, tuple[int, str]] = {}
 
     def search(self, goal: str | None = None) -> PlanSearch:
-        """Return the search of routes to a goal, made when it is first needed."""
+        """Return the search for routes to a goal, created at the first call for this goal.
+
+        Args:
+            goal: situation in which the routes end; None: the network's goal.
+        """
         there = self.network.goal if goal is None else goal
         if there not in self._searches:
             self._searches[there] = PlanSearch(self.network, there)
@@ -77,7 +80,7 @@ class Planner:
         self._reasons.clear()
 
     def fails(self, action: Action) -> int:
-        """Return the number of Fails that count for an action."""
+        """Return the number of Fails counted for an action, or for all actions that share its attempts."""
         return action.allowance.fails(self.counts.get(action.counter, 0))
 
     def failed(self, action: Action, reason: str, *, permanent: bool = False) -> None:
@@ -91,11 +94,11 @@ class Planner:
         self._reasons[action.index] = times + 1, reason
 
     def hoped(self, action: Action) -> None:
-        """Count a Success of an action, whose Fail the plan needed, as a Fail."""
+        """Count a Fail for an action that succeeded although the plan needed its Fail."""
         Planner.failed(self, action, "it succeeded, and its Fail was needed")
 
     def succeeded(self, action: Action) -> bool:
-        """Renew the counts that begin again after a Success of an action; return whether one changed."""
+        """Set back the counts of Fails that a Success of `action` renews; return whether a count changed."""
         changed = False
         for counter in self.network.renewed_by.get(action.index, ()):
             if counter in self.counts:
@@ -105,19 +108,19 @@ class Planner:
         return changed
 
     def is_out(self, action: Action) -> bool:
-        """Return whether an action is excluded."""
+        """Return whether an action is excluded because its attempts are used up."""
         return action.allowance.is_out(self.counts.get(action.counter, 0))
 
     def plan(self, situation: str, goal: str | None = None, without: Iterable[Action] = ()) -> Plan | NoWay:
         """Return the cheapest route from `situation` to the goal.
 
-        It ends early with an action that gives attempts back, or has to fail, where no route of Successes is
-        left.
+        If no route of Successes is left, the route ends before the goal, with an action that gives attempts
+        back or that has to fail.
 
         Args:
-            situation: where the route begins.
-            goal: another goal than the network's.
-            without: further actions that are excluded.
+            situation: situation in which the route begins.
+            goal: situation in which it ends; None: the network's goal.
+            without: actions that the route must not contain, besides those without attempts left.
         """
         search = self.search(goal)
         actions = search.plan(situation, self.counts, [action.index for action in without])

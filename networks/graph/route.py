@@ -21,15 +21,15 @@ class NotStarted:
 
 @dataclass(frozen=True)
 class Elsewhere(NotStarted):
-    """Result of an action that was not started, because the world was changed and another situation holds."""
+    """Result of an action not started because somebody changed the world, so that another situation holds."""
 
     situation: str
 
 
 class RunDecisions:
-    """Decisions of a run without a robot, the same whether outcomes are real, scripted or imagined.
+    """Decisions of a run that depend only on the outcomes of its actions, which may be real or scripted.
 
-    Paper 003, section 2.6: follow the cheapest way; after a Fail, plan again from where it leads.
+    The run follows a planned route, and plans again after each Fail from the situation that it leads to.
     """
 
     def __init__(self, network: ActionNetwork, planner: Planner | None = None) -> None:
@@ -49,7 +49,7 @@ class RunDecisions:
         self._bound = network.bound()
 
     def begin_round(self) -> None:
-        """Begin at the network's start again, with all attempts."""
+        """Begin the next round at the network's start, with all Fails forgotten."""
         if self.round and self.lost is not None:
             self.unfinished.append(self.round)
         self.round += 1
@@ -67,7 +67,10 @@ class RunDecisions:
 
     @property
     def has_next_round(self) -> bool:
-        """True if another round follows, now that the pursued situation is reached."""
+        """True if another round follows after this one.
+
+        Rounds must be left, and the facts of the present situation must be those of the network's start.
+        """
         rounds = self.network.aims.rounds
         if rounds is None or (rounds.most is not None and self.round >= rounds.most):
             return False
@@ -91,11 +94,14 @@ class RunDecisions:
 
     @property
     def planned(self) -> bool:
-        """True if the last plan still holds: its rest remains the best route while nothing fails."""
+        """True if actions of the last plan are left; they remain the best route while nothing fails."""
         return bool(self._ahead)
 
     def plan(self) -> Plan | NoWay:
-        """Plan the route from here to the goal, or to the first of `otherwise` that can be reached."""
+        """Plan the route from the present situation to the goal.
+
+        If no route leads there, plan to the first situation of the network's `otherwise` that can be reached.
+        """
         plan = self._plan()
         while isinstance(plan, NoWay) and not plan.calls_person and (self._first or len(self._goals) > 1):
             if self._first:
@@ -110,13 +116,20 @@ class RunDecisions:
         return self.lost or plan
 
     def abandon(self, reason: str) -> None:
-        """Abandon the goal for `otherwise`, because of the reason."""
+        """Abandon the goal, and pursue the situations of the network's `otherwise` instead.
+
+        Args:
+            reason: reason in words.
+        """
         self.lost = self.lost or NoWay(self.situation, (), reason)
         self._goals.pop(0)
         self._first, self._ahead = [], []
 
     def interrupt(self, number: int) -> str:
-        """Pursue the goal of an interrupt first; return it, or "" if no route leads there or it is reached.
+        """Pursue the goal of an interrupt before the present goal.
+
+        Return the situation that is now pursued; "" if the interrupt is ignored, because no route leads to
+        its goal or the goal is reached already.
 
         Args:
             number: number of the interrupt in the network's aims.
@@ -154,13 +167,17 @@ class RunDecisions:
 
     @property
     def next(self) -> Action:
-        """Action to do now; valid after `plan` returned a `Plan` short of the goal."""
+        """Next action of the plan; only valid while `planned` is True."""
         return self._ahead[-1]
 
     def took(self, outcome: Outcome | NotStarted) -> None:
-        """Move to the situation that the outcome of the action `next` leads to, and count a Fail.
+        """Move to the situation that the outcome of the action `next` leads to; count the Fail if it is one.
 
-        A GiveUp changes nothing; `NotStarted` counts as a Fail, and `Elsewhere` also states the situation.
+        A GiveUp changes nothing. `NotStarted` counts as a Fail. So does `Elsewhere`, which also names the
+        situation that holds now.
+
+        Args:
+            outcome: outcome of the action `next`.
         """
         match outcome:
             case Success(_, result):

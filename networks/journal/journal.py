@@ -39,11 +39,12 @@ class RunAlive(InputError):
 
 
 class Journal:
-    """A new file that records are appended to, each with one write, chained by checksums.
+    """Writer of a run's journal, a file with one line for each record.
 
-    A record that could not be written completely poisons the journal: every further one raises. Times of
-    the wall clock are kept under `wall`, outside the chain, so that two runs of one seed are equal without
-    it. A context manager: leaving it closes the file.
+    Each record contains the checksum of the record before it, so that later changes are detected. After a
+    record that could not be written completely, every further one raises `JournalError`. Times of the wall
+    clock are kept under the key `wall`, outside these checksums, so that two runs with one seed have equal
+    checksums. It is a context manager, which closes the file at its end.
     """
 
     def __init__(self, path: Path, sync: Sync = "never", clock: Callable[[], float] = time.time) -> None:
@@ -80,7 +81,9 @@ class Journal:
         sync: Sync = "never",
         clock: Callable[[], float] = time.time,
     ) -> Journal:
-        """Open a journal that was read, to append to it; a torn tail is moved into `PATH.torn-OFFSET`.
+        """Open an existing journal to append records, after it was read.
+
+        An incomplete last record is moved into the file `PATH.torn-OFFSET`.
 
         Args:
             path: the journal.
@@ -129,13 +132,16 @@ class Journal:
     def append(
         self, kind: str, time_s: float, fields: Mapping[str, Any], wall: Mapping[str, Any] = _NOTHING
     ) -> int:
-        """Write one record; the system has it when this returns, the disk when `durable` says so.
+        """Write one record.
+
+        On return the operating system has it, so that it survives a crash of the program. It survives a power
+        cut once `durable` is True.
 
         Args:
-            kind: RUN, PLAN, START, RESULT and so on.
+            kind: kind of the record, such as RUN, PLAN, START or RESULT.
             time_s: the robot's time, in [s].
             fields: the other fields: JSON values, numpy arrays, paths and models.
-            wall: further fields that differ between runs of one seed, kept outside the chain.
+            wall: further fields that differ between runs of one seed, kept outside the chain of checksums.
 
         Returns:
             The record's number, from 0.
@@ -164,7 +170,9 @@ class Journal:
 
     @property
     def durable(self) -> bool:
-        """True if all records are as safe as `sync` promises: with `beside` that takes a moment.
+        """True if all records are on the disk, as far as `sync` demands it; always True with `never`.
+
+        With `beside` another thread writes them to the disk, so that it becomes True after a moment.
 
         Raises:
             JournalError: they cannot be brought to the disk; the journal is poisoned.
@@ -215,7 +223,12 @@ class Journal:
 
 
 def check_not_alive(folder: Path, name: str = "journal.jsonl") -> None:
-    """Raise `RunAlive` where another process writes the journal in a run's folder."""
+    """Raise `RunAlive` if another process is writing the journal in a run's folder.
+
+    Args:
+        folder: folder of the run.
+        name: name of the journal's file in it.
+    """
     try:
         file = os.open(folder / name, os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK)
     except OSError:

@@ -49,7 +49,7 @@ def seal(body: bytes, wall: Mapping[str, Any]) -> tuple[bytes, str]:
     Args:
         body: a JSON object as orjson writes it, including the checksum of the record before it.
         wall: fields that differ between two runs of one seed: `unix_s`, in [s] since 1970, and maybe more;
-            sealed by a checksum of its own, outside the chain.
+            they have a checksum of their own, outside the chain.
     """
     checksum = blake2b(body, digest_size=12).hexdigest()
     head = b'%b,"h":"%b","wall":%b' % (body[:-1], checksum.encode(), orjson.dumps(wall)[:-1])
@@ -62,11 +62,13 @@ def without_wall(record: dict[str, Any]) -> dict[str, Any]:
 
 
 def read_journal(path: Path) -> JournalContents:
-    """Read all records, and check each of them byte for byte as well as the chain.
+    """Read all records of a journal, and check their checksums.
+
+    A damaged last record looks like a crash while writing; it is reported as `torn_at` without an error.
 
     Raises:
-        JournalError: the file cannot be read, is larger than any run's, or a record that others follow was
-            changed; a damaged last record looks like a crash while writing, and is only reported.
+        JournalError: the file cannot be read or is larger than any run's, or a record before the last one was
+            changed.
     """
     try:
         with path.open("rb") as file:
@@ -79,11 +81,16 @@ def read_journal(path: Path) -> JournalContents:
 
 
 def parse_journal(path: Path, content: bytes) -> JournalContents:
-    """Parse and check the bytes of the journal at `path`, each record byte for byte as well as the chain.
+    """Parse the bytes of a journal, and check the checksums of its records.
+
+    A damaged last record looks like a crash while writing; it is reported as `torn_at` without an error.
+
+    Args:
+        path: the journal, for messages.
+        content: bytes of the file.
 
     Raises:
-        JournalError: a record that others follow was changed; a damaged last record looks like a crash while
-            writing, and is only reported.
+        JournalError: a record before the last one was changed.
     """
     records: list[dict[str, Any]] = []
     offset, last = 0, FIRST_CHECKSUM

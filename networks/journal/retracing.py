@@ -30,7 +30,7 @@ class NeedsOperator(HandcartError):
 
 @dataclass
 class RunPosition:
-    """Position of a run, from its journal alone."""
+    """State of a run after the records of its journal, from which the run can be resumed."""
 
     route: RunDecisions
     started: int = 0
@@ -61,7 +61,14 @@ class RunPosition:
     """Snapshots of the robot in earlier situations of the run, the last one at the end."""
 
     def followed(self, records: Sequence[Record]) -> RunPosition:
-        """Return this position after further records; raises `NeedsOperator` for one that doesn't fit."""
+        """Update this position by further records, and return it.
+
+        Args:
+            records: records of the run's journal, in order.
+
+        Raises:
+            NeedsOperator: a record does not fit the task's network.
+        """
         for record in records:
             try:
                 _follow(self, record)

@@ -88,7 +88,7 @@ class Replay:
         return True
 
     def run(self, over: Callable[[], bool]) -> None:
-        """Draw until `over` returns True; it is called before each frame."""
+        """Play the replay in real time until `over`, called before each frame, returns True."""
         before = clock.monotonic()
         while not over():
             clock.sleep(max(0.001, before + 1.0 / MAX_FRAMES_PER_S - clock.monotonic()))

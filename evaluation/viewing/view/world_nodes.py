@@ -38,7 +38,7 @@ RAISED_HEIGHT_M = 0.3  # of a map's occupied cells, where no solids are known
 
 
 class WorldNodes:
-    """Drawing of the robot's surroundings, and of lines that change."""
+    """Drawing of the robot's surroundings, and of its lidar rays, planned route and driven path."""
 
     def __init__(self, server: viser.ViserServer, scenery: Scenery, things: Iterable[ThingShape]) -> None:
         """Draw the scenery; a thing is invisible until it has a pose."""
@@ -100,7 +100,7 @@ class WorldNodes:
             box.position, box.wxyz, box.visible = at[:3], at[3:], True
 
     def come_and_go(self, world_time: float) -> None:
-        """Show the solids that are present at a time in [s] of the world."""
+        """Show the obstacles present at `world_time` [s], and hide those that appear later or have left."""
         for solid, box in self._passing:
             there = solid.appears_s <= world_time < (np.inf if solid.leaves_s is None else solid.leaves_s)
             if box.visible != there:
@@ -139,7 +139,7 @@ class WorldNodes:
         Args:
             lines: viser's node of the lines.
             path: (n, 2) on the map, in [m].
-            chosen: mask (n - 1,) of the steps to draw; None: all.
+            chosen: mask (n - 1,), true for each segment between two points to draw; None: all.
         """
         points = np.column_stack((path, np.full(len(path), LINE_HEIGHT_M)))
         steps = np.stack((points[:-1], points[1:]), axis=1) if len(path) > 1 else np.zeros((0, 2, 3))

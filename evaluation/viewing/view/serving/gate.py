@@ -25,7 +25,7 @@ TOKEN_MISSING_TEXT = "the token is missing or wrong; it is in the address that w
 
 
 class Gate(OwnPage):
-    """Guard of a viser server: WebSockets need the page's own origin and the token."""
+    """Guard of a viser server: WebSockets need the page's own origin and the token in the page's address."""
 
     def __init__(self, host: str) -> None:
         """Create a guard for `host`, given with its port; it guards nothing before a server is made."""
@@ -44,9 +44,9 @@ class Gate(OwnPage):
     def before_servers(self) -> Iterator[None]:
         """Guard the servers that viser starts in this context.
 
-        viser passes no option for it to its server, so viser's own name `websockets` is replaced here; other
-        servers of this process keep theirs. A reverse proxy would not do: viser would still answer every
-        client on its own port.
+        viser has no option for guarding its server, so the module `websockets` is replaced inside viser only;
+        other servers of this process are unchanged. A reverse proxy would not help, because viser would still
+        answer every client on its own port.
         """
         import viser.infra
         import websockets
@@ -66,10 +66,10 @@ class Gate(OwnPage):
             inner.websockets = websockets
 
     def answer(self, behind: Answer, connection: ServerConnection, request: Request) -> Response | None:
-        """Return a refusal or the answer of the guarded server; None: a WebSocket is opened.
+        """Return the HTTP response to a request: a refusal or viser's page; None to open a WebSocket.
 
         Args:
-            behind: the guarded server's own answer to a request.
+            behind: function that returns the guarded server's own response to a request.
             connection: connection of the client.
             request: the client's request.
         """
