@@ -15,7 +15,7 @@ class Interrupts:
     """Context manager that turns signals to end the program (`STOP_SIGNALS`) into a stop of the run.
 
     Before a run has begun, a signal raises KeyboardInterrupt. During the run it stops the run, and a second
-    signal does not cut the stop short (row K3 of the faults' table). After the run a signal has no effect:
+    signal does not cut the stop short (row K3 of faults.md). After the run a signal has no effect:
     the remaining records are written, and the run keeps its outcome. In threads other than the main one, the
     context manager does nothing.
     """

@@ -18,7 +18,7 @@ class WorldWatch:
 
     The robot's state before an action is compared with its state after the previous action. If only the base
     was moved, to its pose in an earlier situation whose facts other than `base` are the same, that situation
-    holds again. After any other change it is unknown what else was changed (row N9 of the faults' table).
+    holds again. After any other change it is unknown what else was changed (row N9 of faults.md).
     """
 
     def __init__(self, robot: Robot, network: ActionNetwork, seen: Mapping[str, Snapshot]) -> None:

@@ -79,7 +79,7 @@ class RunPosition:
 
 
 def has_fingerprint(header: Record, network: ActionNetwork) -> bool:
-    """Return whether a journal's first record names a network by its fingerprint."""
+    """Return whether a journal was written for a network, whose checksum is in the journal's first record."""
     return bool(header.get("network") == network.fingerprint())
 
 
@@ -88,12 +88,12 @@ def standing(
     records: Sequence[Record],
     is_of: Callable[[Record, ActionNetwork], bool] = has_fingerprint,
 ) -> RunPosition:
-    """Follow a journal through the network that it was written for.
+    """Return the position of a run in its network after all records of its journal.
 
     Args:
         network: the task's network.
         records: records of the journal.
-        is_of: returns whether a journal's first record belongs to a network.
+        is_of: function that returns whether a journal's first record belongs to a network.
 
     Raises:
         NeedsOperator: the journal is of another network, or doesn't fit this one.

@@ -115,7 +115,11 @@ class RunLog(Intents):
 
     @property
     def kept(self) -> bool:
-        """True if all records are as safe as the journal promises; raises `JournalError`."""
+        """True if all records are on the disk, as far as the journal's `sync` demands it.
+
+        Raises:
+            JournalError: the records cannot be brought to the disk.
+        """
         return self._journal is None or self._journal.durable
 
     def restoring(self, action: Action, reason: str) -> None:
@@ -124,7 +128,9 @@ class RunLog(Intents):
         self._tell(lambda: Restoring(self._robot.time, action, reason))
 
     def result(self, primitive: ActionPrimitive, outcome: Outcome, at: Snapshot | None = None) -> None:
-        """Keep a checkpoint, if wanted, and log that an action has ended; observers are notified later.
+        """Log that an action has ended, and keep a checkpoint of a simulated run if one is wanted.
+
+        Observers are notified later, by `result_kept`.
 
         Args:
             primitive: primitive of the action, with its evidence.
@@ -229,7 +235,12 @@ class RunLog(Intents):
 
 
 def outcome_record(number: int, outcome: Outcome) -> records.Result:
-    """Return the outcome of the action with that number, as the journal holds it."""
+    """Return the fields of the journal's record of an outcome.
+
+    Args:
+        number: number of the action in the run, from 1.
+        outcome: outcome of the action.
+    """
     match outcome:
         case Success(evidence, result):
             succeeded = records.Succeeded(n=number, outcome="Success")

@@ -35,7 +35,7 @@ class At(TypedDict):
 
 @with_config(_OPEN)
 class Run(TypedDict):
-    """Header of a run's journal; journals of programs other than `handcart run` may contain less."""
+    """Header of a run's journal, with task, robot and options; only `handcart run` writes all its fields."""
 
     schema: NotRequired[str]
     handcart: NotRequired[str]
@@ -136,7 +136,7 @@ Result = Succeeded | Failed | GivenUp
 
 @with_config(_OPEN)
 class Recon(TypedDict):
-    """Record of a look at the robot by a person, or of a detected change of the world."""
+    """Record of a change of the world between two actions, detected by the run or reported by a person."""
 
     situation: str | None
     reason: NotRequired[str]
@@ -234,7 +234,7 @@ class Acknowledgement(TypedDict):
 
 @with_config(_OPEN)
 class Epoch(TypedDict):
-    """Record of another process that resumes the run."""
+    """Record that a new process has resumed the run."""
 
     after: Annotated[int, Field(ge=-1)]
     in_doubt: Number | None

@@ -16,7 +16,10 @@ continues: the control loop never waits.
 
 
 class DiskSync:
-    """Synchronizer of a file with the disk, which never tries again after a failure (row D8)."""
+    """Writer of a file's data from the operating system to the disk, at once or in a thread.
+
+    After a failure it never tries again (row D8 of faults.md).
+    """
 
     def __init__(self, file: int, sync: Sync) -> None:
         """Create a sync of an open file; `never` needs none."""

@@ -11,14 +11,14 @@ Record = Mapping[str, Any]
 
 
 def waiting(contents: JournalContents) -> dict[int, str]:
-    """Return the unacknowledged records that wait for a person, with their reasons.
+    """Return the records of a journal that a person still has to acknowledge, with their reasons.
 
-    These are a GiveUp, or the START of an action that was broken off. A damaged last record may be such a
-    START, or the result of the action: it waits, too (row D3). Of a simulated run only a GiveUp waits: its
-    world is put back to where the action began.
+    These are a GiveUp, and the START of an action that was broken off. A damaged last record waits as well,
+    because it may be such a START or the action's result (row D3 of faults.md). In a simulated run only a
+    GiveUp waits, because the simulated world is restored to its state before the action.
 
     Returns:
-        Record number to reason.
+        Reason by the number of the record.
     """
     records = contents.records
     found: dict[int, str] = {}
@@ -48,7 +48,7 @@ def waiting(contents: JournalContents) -> dict[int, str]:
 
 
 def may_have_begun(records: Sequence[Record]) -> bool:
-    """Return whether the record after these can be the START of an action."""
+    """Return whether the record that follows the given ones can be the START of an action."""
     return records[-1]["kind"] != "END" and any(record["kind"] == "PLAN" for record in records)
 
 

@@ -11,10 +11,13 @@ SETUP_ROUNDS = 5
 
 
 async def accept_no_more(listening: Iterable[socket]) -> None:
-    """Accept no more connections, wait until the accepted ones are set up, and close the server.
+    """Prepare a server for closing: accept no more connections, and wait until the accepted ones are set up.
 
-    A server that is closed earlier loses them: asyncio asserts that it still has its sockets, and never
-    closes the connections that it accepted (CPython issue 79033).
+    A server that is closed earlier never closes connections that it has just accepted, because an assertion
+    of asyncio fails (CPython issue 79033).
+
+    Args:
+        listening: sockets on which the server listens.
     """
     loop = asyncio.get_running_loop()
     for socket_ in listening:

@@ -17,18 +17,20 @@ class NothingToAcknowledge(InputError):
 
 
 def acknowledge(folder: Path, record: int, cause: str | None = None) -> str:
-    """Acknowledge a waiting record in a run's journal, and return why it waited (N13, U12).
+    """Acknowledge a record of a run's journal that waits for a person, and return why it waited.
+
+    The run can then be resumed (rows N13 and U12 of faults.md).
 
     Args:
         folder: the run's folder.
-        record: number of the journal's record that waits.
-        cause: that record's checksum, as given by `cause_of`, to prove that it is the one that was read.
+        record: number of the record.
+        cause: checksum of the record that the person has read, from `cause_of`; None: not compared.
 
     Raises:
-        NoRun: it is not a run's folder.
+        NoRun: the folder is not that of a run.
         JournalError: the journal cannot be read or written.
         RunAlive: the run is still running.
-        NothingToAcknowledge: that record does not wait, or was acknowledged before.
+        NothingToAcknowledge: the record does not wait, was acknowledged before, or has another checksum.
     """
     contents = read_run_journal(folder)
     waits = waiting(contents)
@@ -47,7 +49,10 @@ def acknowledge(folder: Path, record: int, cause: str | None = None) -> str:
 
 
 def cause_of(contents: JournalContents, record: int) -> Record:
-    """Return the kind and checksum of a waiting record; of a damaged record, the checksum before it."""
+    """Return a record that waits for a person, with its kind `kind` and checksum `h`.
+
+    Of a damaged record, the checksum is that of the record before it.
+    """
     if record < len(contents.records):
         return contents.records[record]
     return {"kind": TORN_RECORD, "h": contents.records[-1]["h"]}

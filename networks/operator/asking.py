@@ -77,7 +77,7 @@ def tell_to_stop(folder: Path) -> None:
 
 
 def goes_on(folder: Path) -> bool:
-    """Return whether a process writes the journal in a folder.
+    """Return whether a run is still going on in a folder, because a process has its journal open for writing.
 
     Raises:
         OSError: the journal cannot be opened.

@@ -29,15 +29,16 @@ Answer = Callable[[Message], Message]
 
 
 class Control:
-    """Server of commands in a run's folder: two Unix sockets for their owner alone, polled once a period.
+    """Server of commands to a run, on two Unix sockets in its folder that only their owner can use.
 
-    `control`: a message is a JSON object in a line, such as `{"do": "status"}`; each gets one answer, in a
-    line, invalid messages included. A connection gets one answer a period. One that hangs up, sends half a
-    line or floods does not affect the others; when there are too many, the one that was silent longest is
-    closed.
-    `control.stop`: any datagram stops the run: nothing to read, to answer or to wait for.
+    They are polled once a period. On the socket `control`, a message is a line with a JSON object, such as
+    `{"do": "status"}`. Each message gets an answer in one line, invalid ones included, and each connection
+    at most one answer a period. A connection that hangs up, sends half a line or floods does not affect the
+    others. When there are too many connections, the one that was silent longest is closed.
 
-    A context manager: leaving it removes the sockets.
+    On the socket `control.stop`, any datagram stops the run; it gets no answer.
+
+    It is a context manager, which removes the sockets at its end.
     """
 
     def __init__(
@@ -73,7 +74,11 @@ class Control:
         self._selector.register(self._stopping, selectors.EVENT_READ)
 
     def poll(self, patience: float = 0.0) -> None:
-        """Answer the received commands; wait for the first one up to `patience`, in [s] of the wall clock."""
+        """Answer the commands that were received since the last call.
+
+        Args:
+            patience: time to wait for a command if there is none, in [s] of the wall clock.
+        """
         busy = any(line.waits for line in self._lines.values())
         ready = [key.fileobj for key, _ in self._selector.select(0.0 if busy else patience)]
         if self._stopping in ready:

@@ -9,9 +9,10 @@ MAX_MESSAGE_BYTES = 4096
 
 
 class ControlLine:
-    """Connection that buffers at most one message, and reads nothing while an answer waits to be sent.
+    """Connection of one client that sends commands, as lines, to a run and receives answers.
 
-    A client that floods it, or does not read, delays only itself.
+    It buffers at most one message, and reads nothing while an answer waits to be sent. A client that sends
+    too much, or does not read its answers, delays only itself.
     """
 
     def __init__(self, other: socket.socket, now: float) -> None:
@@ -50,8 +51,9 @@ class ControlLine:
             self._receive(now)
 
     def message(self) -> bytes | None:
-        """Return the next message, without its line's end; None: it is too long to be one, and no other
-        follows.
+        """Return the next message, without the line's end; None if its line is too long.
+
+        After a line that is too long, the connection accepts no more messages.
         """
         if self._too_long:
             self._came, self._refused = b"", True

@@ -71,5 +71,5 @@ _NAMED = {"action": "the action", "ask": "the question", "number": "the running 
 
 
 def shown(value: object) -> str:
-    """Return a value from outside, clipped and ready to print."""
+    """Return a value of a received message as text to print: shortened, control characters escaped."""
     return printable(clipped(repr(value)))

@@ -29,10 +29,10 @@ DEFAULT_SENDER = "the terminal"
 
 
 class Operation(RunObserver):
-    """Server of the operator's commands while the run is alive, polled once a period.
+    """Server of the operator's commands to a run, polled once a period until the run has ended.
 
-    While the run waits for a permission or is paused, a period takes its full length on the wall clock,
-    because nothing has to be computed. A context manager.
+    While the run waits for a permission or is paused, polling waits up to one control period for a command,
+    because nothing else has to be computed. It is a context manager, which closes the sockets at its end.
     """
 
     def __init__(self, folder: Path, coordinator: Coordinator, permits: Permits, robot: Robot) -> None:

@@ -19,14 +19,14 @@ _OWN_SITE = ("same-origin", "none")
 
 
 class Refusal(NamedTuple):
-    """Status and reason of a refused request."""
+    """HTTP status and reason of a refused request."""
 
     status: int
     words: str
 
 
 class OwnPage:
-    """Guard that detects foreign requests before anything is done for them."""
+    """Guard of a web page's server that detects requests of other sites, and of clients without the token."""
 
     def __init__(self, hosts: Collection[str]) -> None:
         """Accept only requests to these names of this machine, `NAME:PORT` as browsers send them."""
@@ -34,9 +34,14 @@ class OwnPage:
         self.token = secrets.token_urlsafe(24)
 
     def stranger(self, host: str | None, origin: str | None, site: str | None) -> Refusal | None:
-        """Return why a request is not the page's own, by Host, Origin and Sec-Fetch-Site (rows U2, U3).
+        """Return why a request does not come from this server's page, by its headers; None if it may.
 
-        None if it may be the page's own; its token is still to be checked.
+        The request's token still has to be checked with `knows` (rows U2 and U3 of faults.md).
+
+        Args:
+            host: header Host; None if it is missing, as for the others.
+            origin: header Origin.
+            site: header Sec-Fetch-Site.
         """
         if host not in self.hosts:
             return Refusal(421, "another host's name: this page is reached by the address that was printed")
@@ -47,6 +52,9 @@ class OwnPage:
         return None
 
     def knows(self, token: str) -> bool:
-        """Return whether a token is right, in a time that does not depend on where it differs (row U5)."""
+        """Return whether a token is that of this server.
+
+        The comparison takes the same time wherever the tokens differ (row U5 of faults.md).
+        """
         # Bytes that are not text are kept as they are.
         return hmac.compare_digest(token.encode(errors="surrogateescape"), self.token.encode())

@@ -11,10 +11,11 @@ Mode = Literal["ask", "always", "never"]
 
 
 class Permits:
-    """Permissions for actions, by which the coordinator starts each action or waits for the operator.
+    """Permissions of the operator, without which the coordinator does not start certain actions.
 
-    The operator is asked before actions with `permit: operator`, before those that start from a break
-    point, and before all of them in single steps. An answer holds for the one action that was asked for.
+    The operator is asked before an action with `permit: operator` in the task's file, before an action that
+    starts in a situation with a break point, and before every action if the run is stepped. An answer holds
+    only for the action that the operator was asked about.
     """
 
     def __init__(self, mode: Mode = "ask", step: bool = False, breaks: Collection[str] = ()) -> None:
@@ -46,7 +47,7 @@ class Permits:
 
     @property
     def breaks(self) -> Collection[str]:
-        """Situations before whose actions the operator is asked."""
+        """Situations with a break point; the operator is asked before each action that starts in one."""
         return self._breaks
 
     def break_at(self, situation: str, on: bool) -> None:
@@ -54,7 +55,7 @@ class Permits:
         (self._breaks.add if on else self._breaks.discard)(situation)
 
     def answer(self, permitted: bool) -> None:
-        """Answer for the action that waits; without one the answer is dropped."""
+        """Permit or refuse the action that waits for an answer; without such an action, do nothing."""
         if self._asks is not None:
             self._answer = permitted
 

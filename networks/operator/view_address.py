@@ -24,12 +24,15 @@ def note_address(folder: Path, address: str) -> None:
 
 
 def forget_address(folder: Path) -> None:
-    """Remove the address when the page is no longer served."""
+    """Remove the file with a page's address from a folder, once the page is no longer served."""
     (folder / ADDRESS_FILE).unlink(missing_ok=True)
 
 
 def view_address(folder: Path) -> str | None:
-    """Return the noted address; None if it is missing, or is not a page of this machine."""
+    """Return the address of a run's page that `note_address` wrote into a folder.
+
+    It is None if the file is missing, or if the address in it is not one of this computer.
+    """
     try:
         content = read_file(folder, ADDRESS_FILE, MAX_ADDRESS_BYTES, missing=True)
     except HandcartError:

@@ -20,7 +20,7 @@ COST_TOLERANCE = 1e-9
 
 @dataclass(frozen=True)
 class DecisionDifference:
-    """The first decision that today's code makes otherwise."""
+    """First decision of a past run that the present code makes differently."""
 
     record: int
     """Number of the journal's record."""
@@ -42,7 +42,7 @@ class DecisionDifference:
 
 @dataclass(frozen=True)
 class DecisionReplay:
-    """Result of replaying a run's decisions."""
+    """Result of making a past run's decisions again with the present code."""
 
     plans: int
     """Number of plans that are equal."""
@@ -52,7 +52,16 @@ class DecisionReplay:
 
 
 def replay_decisions(run: PastRun) -> DecisionReplay | None:
-    """Decide again on the journal's network and outcomes; None if the journal does not keep the network."""
+    """Make a past run's decisions again with the present code, and compare them with the journal.
+
+    The network and the outcomes are those in the journal. The comparison ends at the first difference.
+
+    Args:
+        run: the past run.
+
+    Returns:
+        The comparison; None if the journal does not keep the network.
+    """
     if run.network is None:
         return None
     network = run.network.network

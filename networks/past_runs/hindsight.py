@@ -18,7 +18,7 @@ from .past_run import PastAction, PastRun, Record
 
 @dataclass(frozen=True)
 class OpenRoute:
-    """A route to the goal that was open at that time."""
+    """A route to the goal that a run could have taken at the time of a decision."""
 
     actions: tuple[Action, ...]
     cost: float
@@ -37,7 +37,7 @@ class FailRoute:
 
 @dataclass(frozen=True)
 class Option:
-    """An action that leads out of the situation."""
+    """An action that a run could have chosen in a decision, with reasons for and against it."""
 
     action: Action
     weight: float
@@ -66,7 +66,7 @@ class Option:
 
 @dataclass(frozen=True)
 class Choice:
-    """A choice, with its alternatives as computed afterwards."""
+    """A run's choice of one action, with the alternatives as computed from the journal afterwards."""
 
     chosen: Action
     way: OpenRoute
@@ -87,9 +87,12 @@ class Choice:
 
 
 def choice_of(run: PastRun, action: PastAction) -> Choice | None:
-    """Return the choice of an action; None if the journal does not keep the network.
+    """Return the choice by which a run started an action, with the alternatives.
 
-    The planner computes it again from the Fails that the journal counts up to that time.
+    The planner computes the choice again from the Fails in the journal before the action.
+
+    Returns:
+        The choice; None if the journal does not keep the network, or the planner finds no route any more.
     """
     if run.network is None:
         return None
@@ -116,7 +119,7 @@ def choice_of(run: PastRun, action: PastAction) -> Choice | None:
 def counts_now(run: PastRun) -> dict[int, int]:
     """Return the counts of Fails after all records of a run, by counter (`Action.counter`), as in `Attempts`.
 
-    Those at 0 are not included; the journal of the run keeps its network.
+    Counts of 0 may be missing. The journal of the run must keep its network.
     """
     assert run.network is not None
     planner = Planner(run.network.network)

@@ -19,7 +19,7 @@ from handcart.primitives.restoring.patience import NO_PATIENCE, Patience
 
 @dataclass(frozen=True)
 class NamedBinding(Binding):
-    """A primitive of which nothing but name and parameters is known: enough to plan with, not to run."""
+    """A primitive known only by name and parameters, which is enough to plan with it but not to run it."""
 
     kind: type[ActionPrimitive] = ActionPrimitive  # type: ignore[type-abstract]
     name: str = ""

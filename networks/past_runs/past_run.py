@@ -83,7 +83,11 @@ class PastRun:
 
     @cached_property
     def track(self) -> RunTrack | None:
-        """Return the robot's pose in each period; None if it was not saved."""
+        """Return the robot's pose in each period; None if the run did not save its poses.
+
+        Raises:
+            NoRun: the file of the poses cannot be read.
+        """
         content = read_file(self.folder, TELEMETRY_FILE, MAX_TELEMETRY, missing=True)
         if content is None:
             return None

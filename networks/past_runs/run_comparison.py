@@ -16,7 +16,7 @@ UNCHAINED_KEYS = {"wall", "h", "p"}
 
 @dataclass(frozen=True)
 class ComparedAction:
-    """Same action in two runs; None for the run that lacks it."""
+    """Action that two runs have in common, or that only one of them has."""
 
     one: PastAction | None
     other: PastAction | None
@@ -79,7 +79,10 @@ class RunComparison:
 
     @property
     def first_record(self) -> tuple[Record | None, Record | None] | None:
-        """The first record after the header that differs but for the wall clock; None if all are equal."""
+        """The first pair of records that differ, one of each run; None if all are equal.
+
+        The headers and times of the wall clock are not compared. A run that ended earlier has None.
+        """
         mine, theirs = self.one.records[1:], self.other.records[1:]
         for at in range(max(len(mine), len(theirs))):
             pair = (mine[at] if at < len(mine) else None), (theirs[at] if at < len(theirs) else None)
@@ -89,12 +92,12 @@ class RunComparison:
 
     @property
     def equal(self) -> bool:
-        """True if the journals are equal but for the header and the wall clock."""
+        """True if the journals have equal records, except for their headers and times of the wall clock."""
         return self.first_record is None
 
 
 def compare_runs(one: PastRun, other: PastRun) -> RunComparison:
-    """Align the actions of two runs by primitive and situations, in their order."""
+    """Return the comparison of two runs; actions of the same primitive and situations are paired in order."""
     mine, theirs = (
         [_identity(action) for action in one.actions],
         [_identity(action) for action in other.actions],

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class RunTrack(NamedTuple):
-    """A run, period by period."""
+    """Pose of the robot and number of its action in each control period of a run."""
 
     time: FloatArray
     """(n,) the robot's time, in [s]."""
@@ -33,20 +33,26 @@ class RunTrack(NamedTuple):
 
 
 class Telemetry:
-    """Recorder of the robot's poses, period by period."""
+    """Recorder of the robot's pose and action in each control period of a run."""
 
     def __init__(self) -> None:
         self._rows: list[tuple[float, float, float, float, int, bool]] = []
         self._located: list[bool] = []
 
     def record(self, robot: Robot, action: int, restoring: bool) -> None:
-        """Record the robot's present pose, the number of its action, and whether that is being restored."""
+        """Record the robot's present pose for this period.
+
+        Args:
+            robot: the robot.
+            action: number of the action that runs, from 1; 0 before the first.
+            restoring: True if the action is restoring what it changed.
+        """
         pose = robot.pose
         self._rows.append((robot.time, pose.x, pose.y, pose.theta, action, restoring))
         self._located.append(robot.localization.is_located)
 
     def track(self) -> RunTrack:
-        """Return the poses recorded so far."""
+        """Return everything recorded so far, with all poses on the map if the robot was located."""
         table = np.array(self._rows, dtype=np.float64).reshape(-1, 6)
         poses = on_the_map(table[:, 1:4], np.array(self._located, dtype=np.bool_))
         return RunTrack(table[:, 0], poses, table[:, 4].astype(np.int32), table[:, 5] > 0.5)
@@ -59,13 +65,17 @@ class Telemetry:
 
 
 def on_the_map(poses: FloatArray, located: BoolArray) -> FloatArray:
-    """Return poses (n, 3) on the map; poses in a local frame are moved by the frame's pose, found later.
+    """Return poses on the map, given poses of which some are in a local frame.
 
-    The pose of a robot at rest jumps from its local frame to the map when it is located.
+    Before a robot is located on the map, its poses are in a local frame. When it is located, at rest, its
+    pose jumps to the map, which shows the local frame's pose on the map.
 
     Args:
-        poses: x and y in [m], heading in [rad].
-        located: (n,) whether each is on the map.
+        poses: (n, 3) x and y in [m], heading in [rad].
+        located: (n,) whether each pose is on the map already.
+
+    Returns:
+        (n, 3) poses on the map; NaN if the robot was not located afterwards.
     """
     found = poses.copy()
     ends = np.flatnonzero(np.diff(located.astype(np.int8)))

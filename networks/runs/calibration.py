@@ -28,7 +28,7 @@ NotNegative = Annotated[float, Field(ge=0.0)]
 
 
 class Value(FileModel):
-    """A value for the robot's file."""
+    """Calibrated value of a key in the robot's file, with its standard deviation, in the key's unit."""
 
     value: float | tuple[float, ...]
     sigma: NotNegative | tuple[NotNegative, ...]
@@ -53,7 +53,7 @@ class Calibration(FileModel):
     """Values by key in the robot's file: `camera.calibrated.focal_px`."""
 
     def text(self) -> str:
-        """Return the content of the file."""
+        """Return the values as text of a calibration file, in YAML."""
         from ruamel.yaml import YAML
 
         yaml = YAML()
@@ -93,12 +93,19 @@ def _length(value: float | tuple[float, ...]) -> int:
 
 
 def calibration_path(run: Path) -> Path:
-    """Return the path of the file in a run's folder, or the given file itself."""
+    """Return the path of the calibration file in a run's folder; any other path is returned unchanged."""
     return run / CALIBRATION_FILE if run.is_dir() else run
 
 
 def keep_calibrated(run: Path, robot: str, backend: str, calibrated: Mapping[str, Calibrated]) -> None:
-    """Write what an action calibrated into a run's `calibration.yaml`; the latest values count."""
+    """Add values that an action calibrated to a run's `calibration.yaml`; they replace earlier ones.
+
+    Args:
+        run: the run's folder.
+        robot: name of a shipped robot, or path of the robot's file.
+        backend: name of the run's backend.
+        calibrated: calibrated values by key in the robot's file.
+    """
     path = run / CALIBRATION_FILE
     before = dict(load(path, Calibration).found) if path.exists() else {}
     by_path = robot.endswith((".yaml", ".yml"))

@@ -27,9 +27,9 @@ class NotKeptError(HandcartError):
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """World, estimates and knowledge after an action, and its result as the journal is to hold it.
+    """State of a run after an action: simulated world, robot's estimates, world model and action's result.
 
-    A real robot's holds what is known, and no world.
+    The checkpoint of a real robot has no simulated world.
     """
 
     digest: str
@@ -47,7 +47,7 @@ class Checkpoint:
     def put_back(self, prepared: Prepared) -> None:
         """Restore the state of a run that was prepared again from the same files and seed.
 
-        If the robot is a real one, only its world model is restored.
+        If the robot is real, only the world model is restored.
 
         Raises:
             NotAState: the checkpoint belongs to another robot or world.
@@ -65,8 +65,8 @@ def keep_checkpoint(
 ) -> str | None:
     """Write the latest checkpoint of a run into its folder in one step, before the journal has the RESULT.
 
-    A GiveUp is not kept: the person who acknowledges it has put everything back as it was before that
-    action.
+    A checkpoint is not written after a GiveUp, because the person who acknowledges the GiveUp has restored
+    the state before that action.
 
     Args:
         folder: the run's folder.
@@ -76,7 +76,8 @@ def keep_checkpoint(
         after: checksum of the journal's last record.
 
     Returns:
-        The checkpoint's digest, by which the journal names it; None if a simulated world cannot be kept.
+        The checkpoint's digest, by which the journal names it; None if none is written, after a GiveUp or
+            because the simulated world's state cannot be saved.
 
     Raises:
         NotKeptError: it cannot be written.

@@ -15,11 +15,15 @@ from .run_options import RunOptions
 
 
 class NoRehearsedDay(InputError):
-    """Error: a time of day is given for a run that cannot have one; nothing has moved."""
+    """Error, because a time of day is given as the begin of a run on a real robot or without such times."""
 
 
 def check_begins_at(prepared: Prepared, options: RunOptions) -> None:
-    """Raise `NoRehearsedDay` if a time of day is given for a real robot, or for a task without such times."""
+    """Check the option that a simulated run begins at a certain time of day.
+
+    Raises:
+        NoRehearsedDay: the option is given although the robot is real, or the task has no times of day.
+    """
     if options.begins_at is None:
         return
     if not prepared.backend.simulated:
@@ -31,7 +35,10 @@ def check_begins_at(prepared: Prepared, options: RunOptions) -> None:
 
 
 def rehearsed_time(prepared: Prepared, options: RunOptions) -> time | None:
-    """Return the time of day at which a simulated run begins; None if it is real, or has no such times."""
+    """Return the time of day at which a simulated run begins.
+
+    It is None if the robot is real, or if the task has no times of day for rounds or interrupts.
+    """
     first = prepared.task.network.aims.begins_at
     if first is None or not prepared.backend.simulated:
         return None
@@ -39,7 +46,11 @@ def rehearsed_time(prepared: Prepared, options: RunOptions) -> time | None:
 
 
 def day_clock(prepared: Prepared, options: RunOptions, past: Past | None) -> DayClock:
-    """Return the clock: this machine's for a real robot, else the robot's; a resumed run keeps its day."""
+    """Return the clock for times of day of a run.
+
+    It is this computer's clock for a real robot, and the robot's time for a simulated one. A simulated run
+    that is resumed keeps the time of day at which it began.
+    """
     if not prepared.backend.simulated:
         return LocalDay()
     begins = rehearsed_time(prepared, options) if past is None else rehearsed_of(past.contents.records[0])
@@ -47,7 +58,14 @@ def day_clock(prepared: Prepared, options: RunOptions, past: Past | None) -> Day
 
 
 def began_at(header: Mapping[str, Any]) -> time:
-    """Return the time of day at which a past run began: as rehearsed, or of a real one in this time zone."""
+    """Return the time of day at which a past run began.
+
+    For a simulated run with times of day it is the chosen one, otherwise that of the wall clock in this
+    computer's time zone.
+
+    Args:
+        header: first record of the run's journal.
+    """
     kept = rehearsed_of(header)
     if kept is not None:
         return kept
@@ -56,6 +74,6 @@ def began_at(header: Mapping[str, Any]) -> time:
 
 
 def rehearsed_of(header: Mapping[str, Any]) -> time | None:
-    """Return the time of day at which a past simulated run began; None without one."""
+    """Return the time of day chosen for the begin of a past simulated run; None if none was chosen."""
     kept = header.get("begins_at")
     return None if kept is None else time.fromisoformat(str(kept))

@@ -30,11 +30,10 @@ def stem(number: int, do: str, outcome: Outcome) -> str:
 
 
 class EvidenceFiles(RunObserver):
-    """Observer that keeps the pictures and points which decided how each action ended.
+    """Observer that saves the pictures and points by which each action's outcome was decided.
 
-    `evidence/003_SEARCH_Fail_front.png` is the picture `front` of the third action. Maps that it drew are in
-    `maps/`, in a folder of their name. Calibration values that a successful action found for the robot are
-    kept as well.
+    For example, `evidence/003_SEARCH_Fail_front.png` is the picture `front` of the third action. Maps that an
+    action made are saved in `maps/NAME/`. Calibration values from successful actions are saved as well.
     """
 
     def __init__(self, run_dir: Path, keep_calibrated: Callable[[Mapping[str, Calibrated]], None]) -> None:
@@ -66,7 +65,12 @@ class EvidenceFiles(RunObserver):
 
 
 def write_evidence(folder: Path, name: str, evidence: Evidence) -> None:
-    """Write pictures and points of an attempt into an existing folder; `name` begins their names.
+    """Write pictures and points of an attempt into files.
+
+    Args:
+        folder: existing folder for the files.
+        name: begin of the files' names.
+        evidence: pictures and points of the attempt.
 
     Raises:
         OSError: a file cannot be written.

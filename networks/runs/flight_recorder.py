@@ -42,12 +42,12 @@ and NaN invalid (REP 117).
 
 
 class FlightRecorder(RunObserver):
-    """Recorder that reads all sensors but the camera once a period.
+    """Recorder of the readings of all sensors but the camera, read once a period.
 
-    At each Fail and GiveUp it writes `evidence/003_MOVE_TO_Fail_readings.npz`: the seconds before the
-    motion was broken off, and the last ones of the restoring motion. At the end of the run it writes
-    `evidence/end_readings.npz`, unless nothing has happened since. A reading is the same however
-    often it is taken, so the run is not changed. Names end in the unit.
+    At each Fail and GiveUp it writes a file such as `evidence/003_MOVE_TO_Fail_readings.npz`, with the last
+    seconds of the motion and the last seconds of the restoring. At the run's end it writes
+    `evidence/end_readings.npz` if there are new readings. Reading a sensor once more in a period gives the
+    same values, so that recording does not change the run. The arrays' names end in their units.
     """
 
     def __init__(self, run_dir: Path, robot: Robot, seconds: float = KEPT_TIME_S) -> None:
@@ -106,7 +106,7 @@ class FlightRecorder(RunObserver):
         return row
 
     def event(self, event: Event) -> None:
-        """Save the recorded seconds if the event requires it."""
+        """Save the readings of the last seconds if the event is a Fail or GiveUp of an action."""
         match event:
             case Started(number=number):
                 self._action, self._restoring, self._decided = number, False, []

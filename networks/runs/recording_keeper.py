@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 
 class RecordingKeeper(RunObserver):
-    """Observer that controls a backend's recording.
+    """Observer that saves a backend's recording, such as the frames of a bus, around failures.
 
-    After each Fail and GiveUp `evidence/003_MOVE_TO_Fail_frames.log` holds the seconds before the motion
-    was broken off, and the last ones of the restoring motion; `evidence/end_frames.log` those at the run's
-    end.
+    After each Fail and GiveUp, a file such as `evidence/003_MOVE_TO_Fail_frames.log` holds the last seconds
+    of the motion and the last seconds of the restoring. `evidence/end_frames.log` holds the last seconds of
+    the run.
     """
 
     def __init__(self, recording: Recording) -> None:
@@ -33,7 +33,7 @@ class RecordingKeeper(RunObserver):
         self._folder, self._recording = Path(), recording
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
-        """Open the recording in the run's folder, and write everything recorded so far."""
+        """Open the recording's files in the run's folder, and write everything recorded so far."""
         self._folder = run_dir / EVIDENCE_FOLDER
         self._recording.open(run_dir)
 
@@ -42,7 +42,7 @@ class RecordingKeeper(RunObserver):
         self._recording.look(robot.time)
 
     def event(self, event: Event) -> None:
-        """Save the recorded seconds if the event requires it."""
+        """Save the recording of the last seconds if the event is a Fail or GiveUp of an action."""
         match event:
             case Restoring():
                 self._recording.mark()

@@ -74,7 +74,7 @@ class Past:
         return [*records, ("EPOCH", epoch, {})]
 
     def doubts(self) -> Iterator[str]:
-        """Yield descriptions of what may have happened since the last known state."""
+        """Yield descriptions of effects that an interrupted action may have had, but that are not known."""
         doubt = self.standing.in_doubt
         if doubt is None:
             return
@@ -87,11 +87,11 @@ class Past:
             yield f"what record {self.last + 1}, which is damaged, told of it"
 
     def words(self, now_s: float, boot: str | None) -> list[str]:
-        """Return one line each on the known state, recovered results and the next action.
+        """Return lines of text on the run's last known state, a damaged journal and a recovered result.
 
         Args:
             now_s: the wall clock, in [s] since 1970.
-            boot: the machine's boot ID now.
+            boot: the computer's present boot ID, which shows whether it was restarted; None if unknown.
         """
         here, wall = self.standing, self.contents.records[-1]["wall"]
         age = f"{max(0.0, now_s - wall['unix_s']):.0f} s ago"
@@ -124,7 +124,7 @@ class Past:
                 raise NeedsOperator(printable(wrong))
 
     def next_words(self) -> str:
-        """Return a line on the next action."""
+        """Return a line of text on the action that a resumed run starts next, or why none is next."""
         route = self.standing.route
         if route.arrived:
             return f"next: {'another round' if route.has_next_round else 'nothing, the goal is reached'}"
@@ -136,11 +136,11 @@ def read_past(folder: Path, network: ActionNetwork) -> Past:
     """Read the state of the run in a folder.
 
     Raises:
-        NoRun: it is not a run's folder.
-        JournalError: the journal cannot be read, or is damaged inside.
+        NoRun: the folder is not that of a run.
+        JournalError: the journal cannot be read, or a record before its last one is damaged.
         NotAState: the checkpoint is not valid.
-        NeedsOperator: the journal does not fit the task, the checkpoint is not the journal's, or the run gave
-            up and that was not acknowledged.
+        NeedsOperator: the journal does not fit the task, the checkpoint does not belong to the journal, or
+            the run ended in a GiveUp that was not acknowledged.
     """
     contents = read_run_journal(folder)
     here = standing(network, contents.records, is_of_network)
@@ -199,16 +199,15 @@ def _maybe_begun(here: RunPosition, contents: JournalContents) -> Mapping[str, A
 
 
 def task_of(folder: Path) -> Mapping[str, Any]:
-    """Return the header of the journal of a run that is not over: task, settings, backend, seed.
-
-    Only the journal is read.
+    """Return the header of a run's journal, with task, settings, backend and seed, to resume the run.
 
     Raises:
-        NoRun: it is not a run's folder.
-        JournalError: the journal cannot be read, or is damaged inside.
+        NoRun: the folder is not that of a run.
+        JournalError: the journal cannot be read, or a record before its last one is damaged.
         RunAlive: the run is still running.
-        NothingToResume: the run came to its end.
-        NeedsOperator: the journal names no task, or another version of handcart has written it (row D12).
+        NothingToResume: the run ended in Success or Fail.
+        NeedsOperator: the journal names no task, or another version of handcart has written it (row D12 of
+            faults.md).
     """
     records = read_run_journal(folder).records
     check_not_alive(folder)

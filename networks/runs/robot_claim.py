@@ -31,10 +31,11 @@ class NoClaimFolder(InputError):
 class RobotClaim:
     """Exclusive claim of a real robot by this process, with the path of its run in a small file.
 
-    The run's journal alone decides whether it waits for a person: it gave up, or was broken off in the
-    middle of an action, and that was not acknowledged. Then the next claim is refused (row N13), whichever
-    program asks: a service that starts a run again and again moves nothing. A context manager: leaving it
-    releases the robot, and clears the path if nothing waits.
+    If that run gave up, or was broken off during an action, it waits until a person has acknowledged it.
+    Meanwhile every further claim of the robot is refused (row N13 of faults.md), so that a service that
+    starts runs again and again moves nothing. Only the run's journal decides whether it waits.
+
+    It is a context manager. Its end releases the robot, and clears the path if the run does not wait.
     """
 
     def __init__(self, backend: Backend, folder: Path, own: Path | None = None) -> None:
@@ -89,10 +90,10 @@ class RobotClaim:
             raise NeedsOperator(f"the robot's last run, {run}, waits for a person: {reason}; {how}")
 
     def begin(self, run: Path) -> None:
-        """Record the path of the run that uses the robot from now on; durable before this returns.
+        """Write the path of the run that uses the robot from now on to the disk.
 
         Raises:
-            JournalError: the disk takes no more; nothing has moved.
+            JournalError: the disk refuses the path; nothing has moved.
         """
         self._run = run.resolve()
         try:
@@ -136,5 +137,12 @@ def claims_folder() -> Path:
 
 
 def claimed(backend: Backend, own: Path | None = None) -> AbstractContextManager[RobotClaim | None]:
-    """Claim the robot behind a backend for this process; None for a simulated robot."""
+    """Return a context manager that claims the robot of a backend for this process.
+
+    A simulated robot is not claimed; the context's value is then None.
+
+    Args:
+        backend: the backend, which identifies the robot.
+        own: folder of the run to resume, which may itself wait for a person; None for a new run.
+    """
     return nullcontext() if backend.simulated else RobotClaim(backend, claims_folder(), own)

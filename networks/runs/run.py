@@ -45,7 +45,7 @@ from .steady_memory import SteadyMemory
 
 
 class Executed(NamedTuple):
-    """Result of an executed run."""
+    """Result of a run that has ended, with its summary."""
 
     end: RunEnd
     summary: dict[str, Any]
@@ -67,21 +67,22 @@ def execute(
     past: Past | None = None,
     clock: Callable[[], float] = time.monotonic,
 ) -> Executed:
-    """Step the robot until the run ends; an interrupt (Ctrl-C) stops it where it is, and it holds.
+    """Execute a run until it ends. An interrupt (Ctrl-C) stops the robot, which then holds its position.
 
-    While the run lasts, the operator's commands are received on the socket `control` in `run_dir`. Writes
-    `journal.jsonl`, `telemetry.npz`, `summary.json` and the evidence there; after a fault in our own code
-    also `error.txt`.
+    During the run, the operator's commands are received on the socket `control` in `run_dir`. The files
+    `journal.jsonl`, `telemetry.npz`, `summary.json` and the evidence are written into `run_dir`; after a
+    fault of the program also `error.txt`.
 
     Args:
-        prepared: a run that could start. Options of its preparation are ignored in `options`.
+        prepared: the prepared task, robot and backend; options that concern only their preparation are
+            ignored in `options`.
         run_dir: the run's folder; made if it is missing.
         options: options of the execution.
         past: a run to resume.
         clock: clock for the wall time of the run, in [s].
 
     Raises:
-        JournalError: no journal can be created there; nothing has moved.
+        JournalError: no journal can be created in `run_dir`; nothing has moved.
         NotKept: the run has ended, but its summary or telemetry cannot be written.
     """
     began, options = clock(), options or RunOptions()
@@ -174,7 +175,7 @@ def _journal(prepared: Prepared, run_dir: Path, options: RunOptions, past: Past 
 def step_until_end(
     coordinator: Coordinator, robot: Robot, telemetry: Telemetry, observers: Sequence[RunObserver] = ()
 ) -> RunEnd:
-    """Iterate the coordinator, and step the robot once for each of its periods; return the run's end.
+    """Run the coordinator and the robot in turn, a control period each, and return the run's end.
 
     Args:
         coordinator: coordinator of the run.

@@ -27,10 +27,14 @@ _BOOT = Path("/proc/sys/kernel/random/boot_id")
 
 
 def header(prepared: Prepared, begins_at: time_of_day | None = None) -> dict[str, Any]:
-    """Return the fields of the record RUN: task, network, robot, backend, seed; equal in two runs of one
-    seed.
+    """Return the fields of a journal's first record, RUN, with task, network, robot, backend and seed.
 
-    `begins_at` is the time of day at which a rehearsal begins; it is kept only if the task has such times.
+    They are equal in two runs with one seed.
+
+    Args:
+        prepared: the prepared run.
+        begins_at: time of day at which a simulated run begins; None if the robot is real, or the task has
+            no times of day.
     """
     task = prepared.task
     return {
@@ -58,10 +62,11 @@ def header(prepared: Prepared, begins_at: time_of_day | None = None) -> dict[str
 
 
 def network_fields(network: ActionNetwork) -> dict[str, Any]:
-    """Return a network, ready for JSON.
+    """Return a network as fields that can be written as JSON.
 
-    `keys` names the columns of `actions`; among them `uses` are the entries of the world model that a
-    primitive may read. A skip has no `do`. `elements` names those of a `repeat`.
+    `actions` is a table, whose columns `keys` names. The column `uses` has the entries of the world model
+    that a primitive may read; `do` is null for a skip. `elements` maps a situation to its element of a
+    `repeat`.
     """
     more = any(
         action.p is not None or action.others or action.fail_endings or _counts_otherwise(action)
@@ -91,8 +96,8 @@ def network_fields(network: ActionNetwork) -> dict[str, Any]:
 def is_of_network(header: Mapping[str, Any], network: ActionNetwork) -> bool:
     """Return whether a journal's first record was written for a network.
 
-    A later version may know further parameters of a primitive, which change the fingerprint. Then the
-    network in the header is compared: a parameter that its file does not give is at its default.
+    If the checksums differ, the network in the header is compared, without parameters that have their default
+    values. The checksum also changes if a later version of a primitive has further parameters.
     """
     if has_fingerprint(header, network):
         return True
@@ -145,16 +150,18 @@ def _uses(action: Action) -> list[str]:
 
 
 def robot_fingerprint(spec: RobotFile) -> str:
-    """Return a checksum of a robot's file, limits, tolerances and all, in hexadecimal.
+    """Return a checksum of all keys of a robot's file that differ from their defaults, in hexadecimal.
 
-    Keys at their default values don't count: a key that a later version adds changes no robot, and earlier
-    runs can be resumed.
+    A key that a later version adds, with a default, does not change it, so that older runs can be resumed.
     """
     return hashlib.sha256(spec.model_dump_json(exclude_defaults=True).encode()).hexdigest()
 
 
 def process_facts() -> dict[str, Any]:
-    """Return the facts on the process that RUN and EPOCH keep outside the chain."""
+    """Return process ID, boot ID, hash seed and monotonic time in [s], for records RUN and EPOCH.
+
+    They differ between two runs with one seed, and are kept outside the journal's chain of checksums.
+    """
     return {
         "monotonic_s": round(time.monotonic(), 6),
         "pid": os.getpid(),

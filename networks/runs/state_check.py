@@ -29,7 +29,7 @@ _BY_SCANS = (
 
 @dataclass(frozen=True)
 class StateCheck:
-    """State of the robot, read after the resume began, compared with the state in its journal."""
+    """Comparison of a real robot's measured state, before a run is resumed, with the state in the journal."""
 
     expected: Snapshot | None
     """Expected snapshot; None if the journal has none."""
@@ -43,21 +43,24 @@ class StateCheck:
     """Units of the arm's joints."""
 
     def words(self) -> list[str]:
-        """Return lines with the expected, measured and unknown state."""
+        """Return lines of text on the expected and the measured state, and on facts that are unknown."""
         found = self.residuals.words_with_limits
         lines = [] if self.expected is None else [f"expected: {_stands(self.expected, self.units)}"]
         lines.append(f"measured: {_stands(self.measured, self.units)}; off by {found or 'nothing known'}")
         return [*lines, *(f"unknown: {item}" for item in self.unknown)]
 
     def fields(self) -> dict[str, Any]:
-        """Return the fields of the journal's RECON; its situation is that of the run, so it is None."""
+        """Return the fields of the record RECON for the journal.
+
+        `situation` is None, because the situation of the run does not change.
+        """
         expected = None if self.expected is None else measured_fields(self.expected)
         states = {"expected": expected, "at": measured_fields(self.measured), "residuals": self.residuals}
         return {"situation": None, **states, "unknown": self.unknown}
 
 
 def standing_as_left(prepared: Prepared, past: Past) -> Prepared:
-    """Return the same run with its robot's pose estimate set to the last one in the journal."""
+    """Return the prepared run with a robot whose pose estimate and time are the last ones in the journal."""
     old, at = prepared.robot, past.standing.at
     grid = prepared.model.map if prepared.task.file.knowledge else None
     robot = Robot(prepared.backend, old.spec, old.pose if at is None else at.pose, grid)
@@ -66,7 +69,10 @@ def standing_as_left(prepared: Prepared, past: Past) -> Prepared:
 
 
 def check_state(robot: Robot, past: Past) -> StateCheck:
-    """Hold still, read all sensors again and compare with the journal; nothing is commanded."""
+    """Wait until the robot rests, read all sensors, and compare its state with that in the journal.
+
+    No motion is commanded.
+    """
     for _ in range(SETTLING_PERIODS):
         robot.step()
     for _ in settle(robot):
@@ -88,15 +94,19 @@ def check_state(robot: Robot, past: Past) -> StateCheck:
 
 
 def gone_on(past: Past, check: StateCheck, confirm: int | None) -> Past:
-    """Return a run that resumes from the state found at a real robot; an action in doubt counts as failed.
+    """Return the past run, ready to be resumed from the measured state of a real robot.
+
+    An action that was broken off counts as failed.
 
     Args:
-        past: the run as its journal left it.
-        check: the measured state.
-        confirm: number of the journal's last record, as a person has seen it.
+        past: the run at the end of its journal.
+        check: comparison of the measured state with the journal.
+        confirm: number of the journal's last record, given by a person who has looked at the robot; None if
+            nobody has.
 
     Raises:
-        NeedsOperator: the robot is not as it was left, its state is uncertain, or it was not confirmed.
+        NeedsOperator: the measured state differs from the journal's, no sensor measures the effects of the
+            action that was broken off, or `confirm` is not the number of the last record.
     """
     doubt = past.standing.in_doubt
     if off := check.residuals.beyond:

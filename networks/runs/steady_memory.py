@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 class SteadyMemory(RunObserver):
     """Observer that restricts garbage collection to the time between actions.
 
-    A collection among a million objects stops the control loop for 20 ms. Objects that exist when the first
-    run of a process begins, most of them the program itself, are excluded from all collections from then on.
+    With a million objects, a collection would stop the control loop for 20 ms. Objects that exist when a
+    process begins its first run, mostly code, are excluded from all later collections.
     """
 
     @override

@@ -19,7 +19,7 @@ Fault = tuple[KeyPath, str]
 def goal_faults(
     names: Sequence[str], is_listed: bool, start: str, situations: Mapping[str, object]
 ) -> Iterator[Fault]:
-    """Yield what is wrong with the goals of a written network.
+    """Yield the faults of the goals in a task file with situations.
 
     Args:
         names: the goals, in order.
@@ -48,7 +48,7 @@ def interrupt_faults(
 
 
 def in_order(network: Copies, goals: Sequence[str]) -> tuple[Copies, str]:
-    """Return a network in which the goals are reached in order, with the name of the last one.
+    """Return a network that reaches several goals one after the other, and the name of its last goal.
 
     Raises:
         TooManyGoals: a goal is within a repeated part, or the network would be too large.

@@ -20,13 +20,13 @@ DEFAULT_ATTEMPTS = 3
 
 
 def action_of(entry: TaskEntry, copied: Copied, binding: Binding, budgets: Mapping[str, int]) -> Action:
-    """Return the action of an entry.
+    """Return an action of the network, as given by an entry of the task file.
 
     Args:
         entry: the entry.
-        copied: the situations that this copy of it joins.
-        binding: its primitive.
-        budgets: attempts that several actions share, by name.
+        copied: copy of the entry (by a `repeat`), with the situations that it connects.
+        binding: primitive of the action, with its parameters.
+        budgets: number of attempts that several actions share, by name.
     """
     limit, others = entry.limit, entry.endings[1:]
     is_shared = limit.shared or isinstance(entry, ConditionEntry)
@@ -55,14 +55,17 @@ def action_of(entry: TaskEntry, copied: Copied, binding: Binding, budgets: Mappi
 
 
 def needs_permit(entry: TaskEntry, binding: Binding) -> bool:
-    """Return whether an action needs the operator's permission: as its entry says, or else its primitive."""
+    """Return whether an action needs the operator's permission.
+
+    The key `permit` of its entry decides it, or the primitive if the entry has no such key.
+    """
     return binding.kind.asks_permission if entry.permit is None else entry.permit == "operator"
 
 
 def entry_faults(
     entry: ActionEntry, known: Mapping[str, Situation], budgets: Sequence[str], done: Collection[str]
 ) -> Faults:
-    """Yield what is wrong with an entry, by the keys below it.
+    """Yield the faults of an action's entry in a task file, with key paths from the entry on.
 
     Args:
         entry: the entry.
@@ -85,7 +88,7 @@ def entry_faults(
 
 
 def limit_faults(entry: TaskEntry, budgets: Sequence[str], done: Collection[str]) -> Faults:
-    """Yield what is wrong with the attempts and probabilities of an entry, by the keys below it.
+    """Yield the faults of an entry's attempts and probabilities, with key paths from the entry on.
 
     Args:
         entry: the entry.

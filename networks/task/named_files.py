@@ -53,7 +53,7 @@ def with_set(document: Document, settings: dict[str, str]) -> Document:
 
 
 def named_robot(document: Document, name: str) -> str:
-    """Return the name of a shipped robot, or the path of a robot's file that a task names."""
+    """Return the robot that a task names, as the name of a shipped robot or the path of a robot's file."""
     if not name.endswith((".yaml", ".yml")) or (SHIPPED_FOLDER / name).exists():
         return name
     return str(resolved(document, ("robot",)))

@@ -23,10 +23,12 @@ MAX_DEPTH = 32
 
 
 def with_parameters(document: Document, findings: Findings) -> Document:
-    """Return the document with the value of each parameter wherever one is named.
+    """Return the document with each reference to a parameter replaced by the parameter's value.
 
-    Unknown parameters, and those that refer to themselves, are findings. Raises `FileError` if the
-    substitution makes the document too large.
+    Unknown parameters, and those that refer to themselves, are added to `findings`.
+
+    Raises:
+        FileError: the document becomes too large by the replacement.
     """
     root = document.root
     if not isinstance(root.content, dict):
@@ -127,8 +129,10 @@ class ParameterValues:
             self._value_of(name)
 
     def put_in(self, node: Node) -> Node:
-        """Return the node with a value wherever it names a parameter; raises `FileError` if it grows too
-        large.
+        """Return a copy of the node with each reference to a parameter replaced by the parameter's value.
+
+        Raises:
+            FileError: the node becomes too large.
         """
         return self._put_in(node).node
 

@@ -43,7 +43,7 @@ class PlaceRoom:
     """True if an action that drives names it."""
 
     def words(self) -> str:
-        """Return a line for people."""
+        """Return a line of text on the place's clearance, and whether and how it is reached."""
         way = self.way
         room = f"{way.clearance:.2f} m to {way.kind}, needed: {way.needed:.2f} m"
         part = "in no component" if way.component is None else f"component {way.component}"
@@ -51,7 +51,7 @@ class PlaceRoom:
         return f"place {self.name}: {room}; {part}; {reached}{'' if self.used else '; no action uses it'}"
 
     def for_programs(self) -> dict[str, Any]:
-        """Return the same content for JSON."""
+        """Return clearance, route and use of the place as fields for JSON; lengths in [m]."""
         way = self.way
         return {
             "name": self.name,
@@ -97,7 +97,7 @@ class ComputedPlace(NamedTuple):
 
 @dataclass(frozen=True)
 class PlaceRooms:
-    """Free room at all places of a task."""
+    """Clearance and routes of all places of a task, with errors and warnings about them."""
 
     places: tuple[PlaceRoom, ...] = ()
     errors: tuple[Finding, ...] = ()
@@ -114,7 +114,13 @@ class _Named(NamedTuple):
 
 
 def place_findings(places: Loaded[Places], grid: GridMap, chart: Path) -> Iterator[Finding]:
-    """Yield the places that lie outside the free space of a map; `chart` is the map's file."""
+    """Yield a finding for each place that is not in the free space of a map.
+
+    Args:
+        places: the places, with their file.
+        grid: the map.
+        chart: the map's file, for messages.
+    """
     for name, place in places.value.places.items():
         where = _where(place, grid)
         if where:
@@ -134,8 +140,16 @@ def _where(place: Place, grid: GridMap) -> str:
 
 
 def place_rooms(task: Task, robot: RobotFile, model: WorldModel, start: Pose2) -> PlaceRooms:
-    """Return the free room at the places of a task's map; empty without a map, or if the robot doesn't drive
-    on it.
+    """Return clearance and routes of all places of a task.
+
+    The result is empty if the task has no map or no places, or if the robot's base is car-like, for which no
+    routes are planned on a map.
+
+    Args:
+        task: the task.
+        robot: the robot's file.
+        model: the robot's world model.
+        start: pose of the base at the start, on the map.
     """
     loaded = task.knowledge.places
     if loaded is None or task.path("knowledge", "map") is None or robot.drive.kind == "ackermann":

@@ -26,12 +26,15 @@ USUAL_NEED = PoseNeed(ARRIVED_MM / 1e3, math.radians(ARRIVED_DEG))
 def pose_findings(
     task: Task, robot: RobotFile, model: WorldModel, rooms: Iterable[PlaceRoom]
 ) -> Iterator[Finding]:
-    """Yield a warning for each place whose pose the lidar does not determine, or whose route lacks echoes.
+    """Yield warnings about places where localization by the lidar will be too uncertain.
+
+    There the map's walls do not determine the robot's pose well enough, or the lidar sees too few of them on
+    the route to the place.
 
     Args:
         task: the task, which names places and map.
-        robot: the robot.
-        model: its world model.
+        robot: the robot's file.
+        model: the robot's world model.
         rooms: the places, with the routes from the robot's start.
     """
     begin_stage("uncertainty of the pose at the places")

@@ -41,8 +41,9 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Prepared:
-    """A task with robot, world model and backend, ready to run; as a context manager it closes the
-    backend.
+    """A task with robot, world model and backend, ready to run.
+
+    It is a context manager, which closes the backend at its end.
     """
 
     task: Task
@@ -71,7 +72,11 @@ class UnknownSituation(InputError):
 
 
 def beginning_at(network: ActionNetwork, situation: str) -> ActionNetwork:
-    """Return the same network with another start; raises `UnknownSituation`."""
+    """Return the network with another situation as its start.
+
+    Raises:
+        UnknownSituation: the network does not have the situation.
+    """
     if situation not in network.situations:
         raise UnknownSituation(f"unknown situation {situation!r}{suggest(situation, network.situations)}")
     return replace(network, start=situation)
@@ -93,14 +98,15 @@ def prepare(
 
     Args:
         task_path: the task's file.
-        backend: another one than the task names.
+        backend: name of the backend; None: the one that the task names.
         settings: values of `--set KEY=VALUE`, VALUE unparsed.
         seed: seed of the simulated errors.
         primitives: lookup of a primitive's class by its name.
         window: True to show robot and world.
         situation: situation in which the run begins, instead of the task's start.
-        errors: True if the simulated robot errs as its file says, False for no errors.
-        bench: name of the simulated backend behind simulated drives.
+        errors: True if the simulated robot has the sensor and motion errors in its file, False for none.
+        bench: name of a simulated backend, to be driven through simulated motor drives with the protocol of
+            the real ones; None: no such drives.
         resumed: True to resume a run: the robot is where that run left it, not at the task's start.
 
     Raises:
@@ -275,12 +281,12 @@ def check(
     seed: int = 0,
     situation: str | None = None,
 ) -> Checked:
-    """Read and check a task with all its files; no robot is spoken to, and none can move.
+    """Read and check a task with all its files, without a connection to a robot.
 
     Args:
         task_path: the task's file.
-        backend: another one than the task names.
-        settings: what `--set KEY=VALUE` gave, VALUE unparsed.
+        backend: name of the backend; None: the one that the task names.
+        settings: values of `--set KEY=VALUE`, VALUE unparsed.
         seed: seed of the simulated errors.
         situation: situation in which a run would begin, instead of the task's start.
 

@@ -28,7 +28,7 @@ from .repetition import Element
 
 
 class ParameterReader:
-    """Reader of the `with` of a file's actions into bindings."""
+    """Reader of the parameters of a task file's actions, which the file has under the key `with`."""
 
     def __init__(
         self, document: Document, findings: Findings, known: Mapping[str, Collection[object]]
@@ -46,7 +46,7 @@ class ParameterReader:
         self._known = known
 
     def binding(self, kind: type[ActionPrimitive], number: int, element: Element | None) -> Binding | None:
-        """Return the binding of action `number` of the file; None if its parameters are wrong.
+        """Return the primitive of an action with its parameters; None if the parameters are wrong.
 
         Args:
             kind: the class of the primitive.
@@ -132,8 +132,9 @@ def _adapter(kind: type[ActionPrimitive], late: frozenset[str]) -> TypeAdapter[A
 
 
 def named_entry(field: FieldInfo) -> str:
-    """Return the entry of the world model whose names a parameter takes, as the primitive marks it; empty if
-    none.
+    """Return the entry of the world model, such as `places`, one of whose names a parameter has to be.
+
+    The primitive marks its parameter with this entry (`Names`). The result is empty without such a mark.
     """
     marks = [mark for part in (field, *_options(field)) for mark in getattr(part, "metadata", ())]
     marks += [mark for part in _options(field) for mark in getattr(part, "__metadata__", ())]

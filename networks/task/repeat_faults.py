@@ -26,14 +26,17 @@ def repeat_faults(
     start: str,
     goal: str,
 ) -> Iterator[Fault]:
-    """Yield the faults of repeated parts: unknown or common situations, and entries other than the start.
+    """Yield the faults of a task's repeated parts.
+
+    Examples are unknown situations, situations in two parts, and actions that lead into a part at another
+    situation than its start.
 
     Args:
         parts: the repeated parts.
         situations: the file's situations.
         entries: the file's actions, by number.
-        start: where the task begins.
-        goal: where it ends.
+        start: situation in which the task begins.
+        goal: situation in which the task ends.
     """
     for part in parts:
         yield from _unknown(part, situations)
@@ -88,8 +91,14 @@ def _changed_by_skip(part: Repetition, situations: Situations) -> Iterator[Fault
 
 
 def element_facts(copies: Copies, situations: Situations) -> tuple[dict[str, dict[str, Fact]], list[Fault]]:
-    """Return the facts of a network's situations, by their names, and what is wrong with `{each: ...}` in
-    them.
+    """Return the facts of a network's situations, with references `{each: ...}` replaced by their values.
+
+    Args:
+        copies: the network after copying repeated parts.
+        situations: the file's situations, by name, with their facts.
+
+    Returns:
+        Facts by the situation's name in the network, and the faults of the references.
     """
     found: dict[str, dict[str, Fact]] = {}
     faults: dict[KeyPath, str] = {}

@@ -22,8 +22,8 @@ def repeated(
 ) -> Copies:
     """Return a network with a copy of each part for each of its elements.
 
-    They are chained: one element's goal is the next one's start, and a part's goal may be another's start.
-    Parts within a part are copied in each of its copies.
+    The copies follow each other, because the goal of one element's copy is the start of the next one's. The
+    goal of a part may be the start of another part. Parts within a part are copied in each of its copies.
 
     Args:
         situations: the file's situations, by name, with their facts.
@@ -33,8 +33,8 @@ def repeated(
             entered at its start only.
 
     Raises:
-        NotRepeated: a part iterates over a list of the element around it, which has none; or there would be
-            more actions than `MAX_ACTIONS`.
+        NotRepeated: a part iterates over a list in the surrounding part's element, and that element has no
+            such list; or there would be more actions than `MAX_ACTIONS`.
     """
     actions = (_plain(number, entry) for number, entry in entries.items())
     network = Copies({name: (name, None) for name in situations}, tuple(actions), start)

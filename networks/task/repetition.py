@@ -67,10 +67,11 @@ class Repetition:
     """The element of the surrounding part that contains this one; None for an outermost part."""
 
     def elements(self) -> tuple[Element, ...]:
-        """Return the elements in their order.
+        """Return the elements in the order of the file.
 
         Raises:
-            NotRepeated: it iterates over a list of the element around it, which has none.
+            NotRepeated: the part iterates over a list in the surrounding part's element, and that element has
+                no such list.
         """
         path, values = self._over()
         before = f"{self.around.words}, " if self.around else ""
@@ -87,7 +88,11 @@ class Repetition:
         )
 
     def count(self) -> int:
-        """Return the number of elements; raises as `elements`."""
+        """Return the number of elements.
+
+        Raises:
+            NotRepeated: as in `elements`.
+        """
         return len(self._over()[1])
 
     def _over(self) -> tuple[KeyPath, Sequence[Any]]:
@@ -104,17 +109,22 @@ class Repetition:
         return path, values
 
     def of(self, name: str, number: int) -> str:
-        """Return the name of the copy of a situation of the part for element `number`, from 0."""
+        """Return the name that a situation of the part has in the copy for one element.
+
+        Args:
+            name: name of the situation in the file.
+            number: number of the element, from 0.
+        """
         return f"{name}[{number + 1}]"
 
 
 def repetitions(
     repeats: Mapping[int, Repeat], entries: Iterable[ActionEntry], outside: Collection[str] = ()
 ) -> list[Repetition]:
-    """Return the repeated parts of a task, by their numbers in its list.
+    """Return the repeated parts of a task.
 
     Args:
-        repeats: the parts, by number.
+        repeats: entries of the file's list `repeat`, by their numbers in it.
         entries: the task's actions.
         outside: situations that belong to no part, though actions in it may lead there: those of `otherwise`.
     """

@@ -21,7 +21,9 @@ def need_findings(
     kinds: Sequence[type[Capability]],
     model: WorldModel | None,
 ) -> Iterator[Finding]:
-    """Yield the actions that the robot can never do, and conditions on sensors that it lacks.
+    """Yield a finding for each action that the robot can never do.
+
+    Interrupts that depend on the battery are reported as well if the robot does not measure its charge.
 
     Args:
         document: the task's file.

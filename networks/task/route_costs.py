@@ -30,10 +30,10 @@ class NoRouteCost(InputError):
 
 
 class RouteTimes:
-    """Driving times between the places of a task, by its map and its robot.
+    """Driving times between the places of a task, along routes planned on its map for its robot.
 
-    Map and robot are read when the first time is asked for. Without a map, and for car-like bases, a route is
-    a straight line.
+    The files of map and robot are read at the first call of `seconds`. Without a map, and for car-like bases,
+    a route is a straight line.
     """
 
     def __init__(self, document: Document, knowledge: TaskKnowledge) -> None:
@@ -98,7 +98,7 @@ def with_route_costs(
     times: RouteTimes,
     add: Callable[[KeyPath, str], None],
 ) -> list[Action]:
-    """Return the actions, those with `route_from` with the time of their route in their cost.
+    """Return the actions, with the driving time of the route added to the cost of those with `route_from`.
 
     Args:
         actions: the actions.

@@ -95,13 +95,15 @@ class Task:
         return named_robot(self.document, self.file.robot)
 
     def check_capabilities(self, backend: Backend, model: WorldModel | None = None) -> None:
-        """Raise `FileError` naming every action whose primitive needs something that the robot lacks."""
+        """Check that a robot can do all actions, by its backend; raise `FileError` with all it cannot do."""
         self.check_kinds(usable_kinds(backend.capabilities()), model)
 
     def check_kinds(self, kinds: Sequence[type[Capability]], model: WorldModel | None = None) -> None:
-        """Check the actions' needs by the classes of the robot's capabilities; raises `FileError`.
+        """Check that a robot can do all actions; raise `FileError` with all that it cannot do.
 
-        `model` is what is known before the start; None to look at the capabilities alone.
+        Args:
+            kinds: classes of the robot's capabilities, such as arm and lidar.
+            model: world model at the start, for needs that depend on it; None to check capabilities only.
         """
         findings = Findings()
         findings.add(*need_findings(self.document, self.network, self.entries, kinds, model))
@@ -115,8 +117,9 @@ def load_task(
 
     Args:
         path: the file.
-        settings: what `--set KEY=VALUE` gave, VALUE unparsed; `robot` and `policy` may be set in any task.
-        primitives: the class of a primitive by its name; raises KeyError, saying what there is.
+        settings: values of `--set KEY=VALUE`, VALUE unparsed; `robot` and `policy` may be set in any task.
+        primitives: function that returns a primitive's class by its name, and raises KeyError for an unknown
+            name, with the known ones in its message.
 
     Raises:
         FileError: with every finding.

@@ -25,7 +25,10 @@ UNKNOWN_START = "unknown"
 
 @dataclass(frozen=True)
 class TaskKnowledge:
-    """Places, and the domains' sections of which the task names a file; its map is read when it is needed."""
+    """Places and other prior knowledge from the files that a task names, except its map.
+
+    A section is the part of the world model that belongs to one domain, which is a kind of work.
+    """
 
     places: Loaded[Places] | None
     """Places of the map; None if no file names them."""
@@ -39,8 +42,9 @@ class TaskKnowledge:
     """False if a file with places, or of a domain, is missing or its places can't be read."""
 
     def names(self) -> dict[str, Collection[object]]:
-        """Return the names that parameters may use, by kind; a kind without a file, or with one that can't be
-        read, is missing.
+        """Return the names that actions' parameters may have, by kind, such as `places`.
+
+        A kind is missing if the task names no file for it, or if the file cannot be read.
         """
         every: dict[str, Collection[object] | None] = {}
         for section in self.sections.values():
@@ -54,7 +58,7 @@ class TaskKnowledge:
         return found
 
     def all_places(self) -> dict[str, Place]:
-        """Places of the map, and places that the domains' files add."""
+        """Return the map's places and those that domains' files add, by name."""
         return {**(self.places.value.places if self.places else {}), **self._more_places()}
 
     def _more_places(self) -> dict[str, Place]:
@@ -68,9 +72,14 @@ class TaskKnowledge:
 def read_knowledge(
     document: Document, findings: Findings, resolved: Callable[[Document, KeyPath], Path | None]
 ) -> TaskKnowledge:
-    """Read the files that a task names, except its maps; faults in the files are added to the findings.
+    """Read the files that a task names under `knowledge`, except its maps.
 
-    Files that aren't there, or lie where they may not, are passed over.
+    Missing files, and files outside the allowed folders, are skipped.
+
+    Args:
+        document: the task.
+        findings: list to which faults in the files are added.
+        resolved: function that returns the path of the file that the task names under a key.
     """
 
     def path(key: str) -> Path | None:
@@ -97,7 +106,7 @@ def read_sections(
 
     Args:
         paths: paths of the files, by their keys under `knowledge:`.
-        start: map_T_base at first.
+        start: pose of the base at the start, map_T_base.
         document: the document that names the files.
         findings: findings in the files are added here.
     """
@@ -128,7 +137,12 @@ def _start(document: Document, places: Loaded[Places] | None) -> Pose2:
 
 
 def is_start_unknown(document: Document, names: Collection[object]) -> bool:
-    """Return whether a task says that its start is unknown; `names` are those of its places."""
+    """Return whether a task states that the robot's pose at the start is unknown.
+
+    Args:
+        document: the task.
+        names: names of the task's places; a place may have the name `unknown`.
+    """
     node, there = document.root.deepest(("knowledge", "start"))
     return there and node.content == UNKNOWN_START and UNKNOWN_START not in names
 

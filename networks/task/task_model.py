@@ -52,7 +52,7 @@ else:
 
 
 class RestoringEntry(FileModel):
-    """Limits on repeating the restoring after a fault."""
+    """Limits on further attempts to restore the state before an action, if a fault interrupts restoring."""
 
     attempts: Annotated[int, Field(ge=1, le=MAX_RESTORINGS)] = 1
     """Maximum number of tries before a person is called."""
@@ -61,14 +61,14 @@ class RestoringEntry(FileModel):
 
 
 class BeliefEntry(FileModel):
-    """How much a run's own outcomes count against the probabilities of the file."""
+    """Weight of the file's outcome probabilities against the outcomes that a run observes itself."""
 
     attempts: Annotated[float, Field(ge=1.0, le=1e6)] = 20.0
     """Number of attempts that `p` of the file counts for, as if they had been seen before the run."""
 
 
 class Each(FileModel):
-    """Reference to a value of the present element of a repeat."""
+    """Reference, in a repeated part, to the element for which the part is copied, or to a value in it."""
 
     each: str
     """NAME, or NAME.KEY."""
@@ -98,7 +98,7 @@ class Repeat(FileModel):
 
 
 class TaskHead(AimsHead):
-    """Keys of every task, however its network is given."""
+    """Keys of every task file, whether its network is written out or generated from conditions."""
 
     format: Literal["handcart-task/1"]
     title: str
@@ -129,12 +129,12 @@ class TaskHead(AimsHead):
 
     @property
     def belief_attempts(self) -> float | None:
-        """Number of attempts that the probabilities count for; None if they hold throughout."""
+        """Number of attempts that the file's probabilities count for; None if a run does not change them."""
         return None if self.belief is None or self.policy == "rule" else self.belief.attempts
 
 
 class TaskFile(TaskHead):
-    """A task: situations, and the actions that lead from one to another."""
+    """Task file with a network that is written out, as situations and the actions that connect them."""
 
     start: str
     """The situation at the start."""
@@ -160,7 +160,7 @@ class TaskFile(TaskHead):
 
 
 class ConditionFile(TaskHead):
-    """A task whose network is generated: facts, and actions with the conditions under which they start."""
+    """Task file whose network is generated, from facts and from actions with conditions for their start."""
 
     facts: Annotated[dict[str, Values], Field(min_length=1)]
     """Physical facts by name, each with its possible values; the first one holds at the start."""
@@ -184,5 +184,5 @@ AnyTaskFile = TaskFile | ConditionFile
 
 
 def task_model() -> TypeAdapter[AnyTaskFile]:
-    """Return the model of a task's file, written situation by situation or generated from conditions."""
+    """Return the model of a task file, which is either a `TaskFile` or a `ConditionFile`."""
     return TypeAdapter(AnyTaskFile)

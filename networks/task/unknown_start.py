@@ -25,7 +25,7 @@ START_KEY = ("knowledge", "start")
 
 
 class Parts(NamedTuple):
-    """Situations and actions from which a network is built."""
+    """Situations, actions and start of a network, before the network is built from them."""
 
     situations: list[Situation]
     actions: list[Action]
@@ -33,10 +33,12 @@ class Parts(NamedTuple):
 
 
 def with_locate(parts: Parts, kind: type[ActionPrimitive]) -> Parts:
-    """Return a network that begins with LOCATE, unless LOCATE is in it.
+    """Return a network that begins with LOCATE, the primitive that finds the robot's pose on the map.
+
+    A network that contains LOCATE already is returned unchanged.
 
     Args:
-        parts: parts of the network as it is in the file.
+        parts: situations, actions and start of the network in the file.
         kind: class of LOCATE.
     """
     situations, actions, start = parts
@@ -51,7 +53,7 @@ def with_locate(parts: Parts, kind: type[ActionPrimitive]) -> Parts:
 
 
 def start_findings(document: Document, robot: RobotFile, has_map: bool) -> Iterator[Finding]:
-    """Yield findings on what a robot lacks to find its start."""
+    """Yield a finding if map or robot lack something that is needed to find an unknown start pose."""
     missing = []
     if not has_map:
         missing.append("the key `map`")
@@ -67,9 +69,9 @@ def start_findings(document: Document, robot: RobotFile, has_map: bool) -> Itera
 
 
 def drawn_pose(grid: GridMap, radius: float, seed: int) -> Pose2:
-    """Return a random map_T_base in the largest free part of a map, where a simulated robot is set down.
+    """Return a random pose map_T_base in the largest free part of a map, for the start of a simulated robot.
 
-    At the map's origin if the robot fits nowhere.
+    It is the map's origin if the robot fits nowhere.
 
     Args:
         grid: the map.

@@ -11,13 +11,17 @@ from handcart.primitives.knowledge.world_model import WorldModel
 
 
 def unwritten(network: ActionNetwork, given: Collection[str]) -> Iterator[tuple[Action, str, str]]:
-    """Yield actions with a parameter that is unknown at their start: action, parameter, entry `cup.size`.
+    """Yield actions that may start before a parameter's value in the world model is known.
 
-    An entry that the world model does not know at first has to be found out by an earlier action.
+    An entry that the world model does not know at first has to be found out by an action on every route to
+    the action that needs it.
 
     Args:
-        network: the whole network.
+        network: the complete network.
         given: entries of the world model that files of the task fill.
+
+    Yields:
+        The action, the name of its parameter, and the parameter's key in the world model, such as `cup.size`.
     """
     empty = WorldModel.unknown_at_first() - set(given)
     ways = _ways(network)

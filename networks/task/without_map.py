@@ -28,7 +28,11 @@ def is_without_map(document: Document) -> bool:
 
 
 def open_floor(poses: Iterable[Pose2]) -> GridMap:
-    """Return a map of free floor around the start and around poses in the frame of the start."""
+    """Return a map of free floor that includes the robot's start and the given poses, for tasks without map.
+
+    Args:
+        poses: poses in the frame of the start, which is also the map's frame.
+    """
     points = np.array([(0.0, 0.0), *(pose[:2] for pose in poses)])
     low, size = points.min(axis=0) - MARGIN_M, np.ptp(points, axis=0) + 2.0 * MARGIN_M
     resolution = max(RESOLUTION_M, float(np.sqrt(size.prod() / MAX_CELLS)))
@@ -38,6 +42,9 @@ def open_floor(poses: Iterable[Pose2]) -> GridMap:
 
 
 def started_exactly(robot: RobotFile) -> RobotFile:
-    """Return the robot without a simulated error of its start pose, because the start defines the frame."""
+    """Return the robot's file without a simulated error of the start pose.
+
+    In a task without map, the start pose defines the frame of all places, so that it has no error.
+    """
     errors = robot.errors.model_copy(update={"start_mm": 0.0, "start_deg": 0.0})
     return robot.model_copy(update={"errors": errors})

@@ -14,7 +14,7 @@ Name = Annotated[str, Field(min_length=1, max_length=120)]
 
 
 class ActivityFile(FileModel):
-    """Correspondence between the terms of an activity's definition and the names in the task's world."""
+    """File that maps the terms in an activity's definition (BEHAVIOR-1K) to names in the task's world."""
 
     format: Literal["handcart-activity/1"]
     activity: Name
@@ -37,7 +37,7 @@ class ActivityFile(FileModel):
 
 @dataclass
 class Activity(Section):
-    """The activity of a task."""
+    """World model section with the household activity that the task has to achieve."""
 
     FILES: ClassVar = {"activity": ActivityFile}
 

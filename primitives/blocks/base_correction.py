@@ -31,10 +31,11 @@ View = Generator[None, None, Fixed]
 
 
 class FixOnce:
-    """Placing without correction of the base's turn and tilt (Hatano et al. 2000); base class of all
-    corrections.
+    """Base class of corrections of the base's turn and tilt before placing a block; itself corrects nothing.
 
-    One instance serves one attempt.
+    A robot on wheels with suspension turns and tilts as its loaded arm moves (Hatano et al. 2000). A
+    fixation is a measurement of the base's pose at a landmark. The base moves between the last fixation and
+    the placing. One instance serves one attempt.
     """
 
     needs_imu: ClassVar[bool] = False
@@ -49,31 +50,32 @@ class FixOnce:
     def take_view(
         self, robot: Robot, before: Fixed | None, now: Fixed, swings: int
     ) -> Generator[None, None, Fixed]:
-        """Return the fixation to use after a further view of a landmark.
+        """Return the base's pose (fixation) to use after a further view of a landmark.
 
         Args:
             robot: robot with its hand over the landmark.
-            before: last fixation; None without one.
-            now: fixation by the view.
+            before: fixation before this view; None if there was none.
+            now: fixation by this view.
             swings: number of swings of the loaded arm between the two fixations; each turns the base.
         """
         return now
         yield
 
     def measure_over_goal(self, robot: Robot) -> Generator[None, None, bool]:
-        """Measure with the block over its goal, if the correction needs it; return whether the goal has to be
-        computed again.
+        """Measure the base's motion while the hand holds the block over its goal, if the correction needs it.
+
+        Return whether the goal in the base frame has to be computed again.
         """
         return False
         yield
 
     def base_T_block(self, robot: Robot, model: ModelView, goal: LevelPose, swings_to_come: int) -> Transform:
-        """Return base_T_block (4, 4) at a goal on the map.
+        """Return the pose base_T_block (4, 4) at which a block has to be placed, given a goal on the map.
 
         Args:
             robot: robot that places the block.
-            model: world model with the last fixation.
-            goal: pose of the placed block.
+            model: world model with the last fixation (pose of the base measured at a landmark).
+            goal: pose of the placed block on the map.
             swings_to_come: number of swings of the loaded arm that are still to turn the base.
 
         Raises:
@@ -84,7 +86,7 @@ class FixOnce:
 
 
 class ByModel(FixOnce):
-    """Correction by the suspension's model (Hatano et al. 2000, eq. 12)."""
+    """Correction by the turn and tilt that the suspension's model predicts (Hatano et al. 2000, eq. 12)."""
 
     def __init__(self) -> None:
         self._leans: tuple[Transform, Transform] = (np.eye(4), np.eye(4))
@@ -100,14 +102,18 @@ class ByModel(FixOnce):
         return known.corrected(inverse(turned) @ goal.pose, np.eye(4), 0)
 
     def turned(self, robot: Robot, fixed: Fixed, swings_to_come: int) -> float:
-        """Return the yaw of the base since a fixation, in [rad], with that of the swings still to come;
-        positive to the left.
+        """Return the base's yaw from a fixation until a block is placed, in [rad], positive to the left.
+
+        Args:
+            robot: the robot.
+            fixed: the fixation (pose of the base measured at a landmark).
+            swings_to_come: number of swings of the loaded arm that are still to turn the base.
         """
         return turn_by_model(robot, fixed.swings + swings_to_come).yaw
 
 
 class ByImu(FixOnce):
-    """Correction by the measurement of the inertial sensors over the goal."""
+    """Correction by turn and tilt as the inertial sensors measure them while the block is over its goal."""
 
     needs_imu: ClassVar = True
 
@@ -123,14 +129,15 @@ class ByImu(FixOnce):
 
 
 class FixAgain(FixOnce):
-    """Correction by viewing the landmark again, with the block in the hand, before moving over the goal."""
+    """Correction by measuring the base's pose at the landmark again, with the block in the hand."""
 
     views_landmark: ClassVar = True
 
 
 class FixAgainModel(ByModel):
-    """Correction by viewing the landmark again, fused with the earlier fixation, then by the suspension's
-    model.
+    """Correction by viewing the landmark again, and from then on by the suspension's model.
+
+    The base's pose by the new view is fused with that by the earlier one.
     """
 
     views_landmark: ClassVar = True
@@ -147,10 +154,10 @@ class FixAgainModel(ByModel):
 
 
 class FixAgainImu(FixAgainModel):
-    """Correction by viewing the landmark again, fused with the earlier fixation, then by the inertial
-    sensors.
+    """Correction by viewing the landmark again, and from then on by the inertial sensors.
 
-    The turn is that of the gyros; the tilt beyond the suspension's model is that of the accelerometers.
+    The base's pose by the new view is fused with that by the earlier one. The gyros measure the base's turn;
+    the accelerometers measure the tilt that the suspension's model does not predict.
     """
 
     needs_imu: ClassVar = True
@@ -183,14 +190,14 @@ class FixAgainImu(FixAgainModel):
 
 
 class Servo(FixOnce):
-    """Correction by viewing a landmark next to the goal."""
+    """Correction by measuring the goal relative to a landmark next to it, with the block in the hand."""
 
     views_goal: ClassVar = True
     looks: ClassVar = 2
 
 
 class OnRobot(FixOnce):
-    """Correction for a goal on the robot's own table, which turns and tilts with the base: none."""
+    """Placing on the robot's own table, which turns and tilts with the base and needs no correction."""
 
     @override
     def base_T_block(self, robot: Robot, model: ModelView, goal: LevelPose, swings_to_come: int) -> Transform:
@@ -209,7 +216,11 @@ METHOD_CORRECTIONS: Mapping[Method, type[FixOnce]] = {
 
 
 def fixation(model: ModelView) -> Fixed:
-    """Return the last fixation; raises `Discrepancy` if no landmark was seen from here."""
+    """Return the pose of the base as last measured at a landmark (the last fixation).
+
+    Raises:
+        Discrepancy: no landmark was seen since the base last moved.
+    """
     fixed = model.of(Blocks).fixed
     if fixed is None:
         raise Discrepancy("no landmark was seen from here", permanent=True, cause=causes.NOT_KNOWN)

@@ -20,9 +20,9 @@ GRAVITY_M_S2 = 9.81
 def felt_beside(robot: Robot) -> Generator[None, None, FloatArray]:
     """Measure the roll and pitch (2,) of the base that its suspension's model does not predict, in [rad].
 
-    The model's tilt is that for the current pose of the hand. The accelerations are averaged while the
-    robot is at rest; it needs an IMU. The result includes the mounting error of the sensors and the slope
-    of the floor.
+    It is the measured tilt minus the model's tilt for the current pose of the hand. The measured tilt is from
+    accelerations of an IMU, averaged while the robot is at rest. The result includes the mounting error of
+    the sensors and the slope of the floor.
     """
     felt = []
     for _ in range(_count(robot)):
@@ -35,12 +35,12 @@ def felt_beside(robot: Robot) -> Generator[None, None, FloatArray]:
 
 
 def unmodelled_leans(robot: Robot, then: FloatArray, now: FloatArray) -> tuple[Transform, Transform]:
-    """Return the tilts that the suspension's model misses, then and now, as motions (4, 4) of the base.
+    """Return the base's tilts at two times that the suspension's model misses, as motions (4, 4) of the base.
 
-    The model is linear in the position of the hand; the weight of a real arm is not. Mounting error and slope
-    of the floor are equal then and now, so only the difference counts; each tilt gets half of it, the
-    smallest tilts that explain the measurement. They are shrunk by their share of noise (James and Stein
-    1961, positive part, per axis): where the model is right, hardly anything is left.
+    The model is linear in the hand's position, but the effect of a real arm's weight is not. Mounting error
+    of the sensors and slope of the floor are equal at both times, so that only the difference counts. Each
+    tilt gets half of the difference, which gives the smallest tilts that explain it. Then they are reduced by
+    their share of noise (James and Stein 1961, positive part, per axis), nearly to 0 if the model is right.
 
     Args:
         robot: robot whose suspension model is used.

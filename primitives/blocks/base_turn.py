@@ -32,10 +32,10 @@ def turn_by_model(robot: Robot, swings: int) -> BaseTurn:
 
 
 def turn_by_gyros(robot: Robot, before: Fixed, now: Fixed | None = None) -> BaseTurn:
-    """Return the yaw that the gyros measured between two fixations; the robot needs an IMU.
+    """Return the yaw that the gyros measured between two fixations (measurements at a landmark).
 
     Args:
-        robot: robot whose gyros are used.
+        robot: robot with an IMU, whose gyros are used.
         before: earlier fixation.
         now: later fixation; None: the present time.
     """
@@ -46,9 +46,9 @@ def turn_by_gyros(robot: Robot, before: Fixed, now: Fixed | None = None) -> Base
 
 
 def fused(before: Fixed, turn: BaseTurn, now: Fixed) -> Fixed:
-    """Return the current fixation, its pose fused with an earlier one that the base has turned away from.
+    """Return the current fixation (pose of the base measured at a landmark), fused with an earlier one.
 
-    The position of the base is assumed unchanged. Positions and headings of both fixations are weighted by
+    Between both, the base has turned, but not moved. Positions and headings of both fixations are weighted by
     their variances (update of a Kalman filter with states measured one by one). If they differ by more than
     `FUSION_GATE_SIGMAS` standard deviations, the base was moved meanwhile: `now` is returned unchanged.
 

@@ -36,8 +36,8 @@ def see_block(
         robot: robot with an empty hand.
         plan: building plan with the size of the blocks.
         base_T_block: (4, 4), expected pose.
-        evidence: takes the picture.
-        around: bodies to keep clear of, in the base frame.
+        evidence: evidence of the attempt, to which the picture is added.
+        around: obstacles for the arm, in the base frame.
     """
     length, width, height = plan.block
     top = base_T_block.copy()
@@ -62,7 +62,7 @@ def see_block(
 
 
 def why_unseen(robot: Robot, plan: Building, base_T_block: Transform) -> str:
-    """Return what the camera sees instead of a block, right after `see_block` has found none.
+    """Return the reason in words why `see_block` has just found no block, by a further picture.
 
     Args:
         robot: robot whose camera is still over the place.

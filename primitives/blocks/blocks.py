@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class Fixed(NamedTuple):
-    """Pose of the base, measured at a landmark."""
+    """Fixation, which is a measurement of the base's pose at a landmark."""
 
     landmark: str
     place: str
@@ -64,7 +64,7 @@ class Placed(NamedTuple):
 
 @dataclass
 class Blocks(Section):
-    """Knowledge of a robot that stacks blocks."""
+    """World model section with what a robot that stacks blocks knows of them and of its own pose."""
 
     FILES: ClassVar = {"building": Building}
     LEARNED: ClassVar = ("fixed", "placed", "taken")

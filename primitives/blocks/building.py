@@ -82,7 +82,7 @@ class Building(FileModel):
         return range(1, max(len(self.supply), len(self.carried), len(self.goals)) + 1)
 
     def seat(self, number: int) -> LevelPose:
-        """Return the seat of block `number`, from 1, on the robot's own table, in the base frame."""
+        """Return the pose in the base frame at which the robot's own table carries block `number`, from 1."""
         return self.carried[(number - 1) % len(self.carried)]
 
 

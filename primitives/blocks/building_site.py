@@ -30,7 +30,10 @@ def surroundings(robot: Robot, model: ModelView) -> tuple[Box, ...]:
 
 
 def standing(robot: Robot, model: ModelView) -> Pose2:
-    """Return map_T_base: by the landmark if one was seen from here, otherwise as estimated."""
+    """Return the pose map_T_base of the base.
+
+    It is the one measured at a landmark if the wheels have not moved since, otherwise that of the localizer.
+    """
     fixed = model.of(Blocks).fixed
     here = fixed is not None and fixed.travel == robot.base.wheel_travel()
     return fixed.pose if fixed is not None and here else robot.pose

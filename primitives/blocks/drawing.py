@@ -34,14 +34,14 @@ class DrawnLandmark(LevelPose):
 
 
 class DrawnRow(LevelPose):
-    """Row of blocks next to each other, with the pose on the map of a block at position 0."""
+    """Row of blocks next to each other; its pose on the map is that of a block at 0 in `along_mm`."""
 
     along_mm: Annotated[tuple[float, ...], Field(min_length=1)]
     """Positions of the blocks along the row's own y axis."""
 
 
 class DrawnBlock(NamedTuple):
-    """A block of a drawing."""
+    """A block of a wall's drawing, with its position in the rows and its goal on the map."""
 
     row: int
     """Index of the row, from 0."""
@@ -61,7 +61,7 @@ class DrawnBlock(NamedTuple):
 
 
 class Drawing(FileModel):
-    """A drawing of a wall."""
+    """File with the drawing of a wall of blocks, from which a task and its building plan are made."""
 
     format: Literal["handcart-drawing/1"]
     start: DrawnStart

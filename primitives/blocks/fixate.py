@@ -34,10 +34,11 @@ MOST_TURNED = 0.002  # [rad] that the base may turn once it was found
 class Fixate(ActionPrimitive):
     """Move the hand until a landmark is in the middle of the picture, and derive the base's error from it.
 
-    Hatano et al. (2000), section 2.2, with corrected equations. The middle of the picture has the least
-    distortion of the lens, and a closed loop tolerates errors of the arm. A landmark out of view is
-    searched for. Landmarks look alike: all visible ones together, the plan and the believed pose of the
-    base identify them. If two answers are left, the camera looks next to them until only one is left.
+    The method is that of Hatano et al. (2000), section 2.2, with corrected equations. The middle of the
+    picture has the least distortion of the lens, and a closed loop tolerates errors of the arm. A landmark
+    out of view is searched for. All landmarks look alike; a visible one is identified by its neighbours, the
+    building plan and the estimated pose of the base. If it can be either of two landmarks, the camera views
+    their surroundings until only one is left.
     """
 
     landmark: LandmarkName
