@@ -85,7 +85,10 @@ class Fixate(ActionPrimitive):
         robot.localization.found_at(pose, upright_sigma(blocks.fixed, pose))
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Return whether the base has kept its pose since the fixation: gyros, if any, measured no turn."""
+        """Return whether the base has kept its pose since the fixation.
+
+        A robot with gyros must have measured no turn since then; without gyros, True is returned.
+        """
         blocks = model.of(Blocks)
         fixed, feels = blocks.fixed, robot.spec.imu is not None
         if fixed is not None and feels and abs(turn_by_gyros(robot, fixed).yaw) >= MOST_TURNED:

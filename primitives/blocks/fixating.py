@@ -67,7 +67,9 @@ class Fixation(NamedTuple):
 def planned_view(
     robot: Robot, mark: LandmarkPlan, planned: Pose2, hand: Transform | None = None
 ) -> PlannedView:
-    """Return the view of a landmark from a base at its target place (relation A of Hatano et al. 2000).
+    """Return the poses of hand and camera that view a landmark when the base is exactly at its target place.
+
+    This is relation A of Hatano et al. (2000).
 
     Args:
         robot: robot whose hand-eye calibration is used.
@@ -91,13 +93,15 @@ def sought(
     stands: Pose2,
     covariance: FloatArray,
 ) -> Sought:
-    """Return a landmark of the plan to search for, from a base planned at `planned` and believed at `stands`.
+    """Return a landmark to search for, with all landmarks and the base's estimated pose.
+
+    All poses in the result are relative to the base's target place.
 
     Args:
         name: name of the landmark.
         marks: all landmarks of the plan.
         planned: map_T_base of the target place.
-        stands: believed map_T_base.
+        stands: estimated map_T_base.
         covariance: (3, 3) of `stands`, of x, y in [m] and heading in [rad], on the map.
     """
     among = {
@@ -121,25 +125,27 @@ def fixate(
     looks: int = 1,
     known: Pose2 | None = None,
 ) -> Generator[None, None, Fixation]:
-    """Move the hand until the landmark is seen as planned (Hatano et al. 2000, eq. 1 to 11, corrected).
+    """Move the hand until the landmark is seen as planned, and return the base's pose that follows from it.
 
-    All visible landmarks together identify the wanted one. If two answers are left, more views are taken.
+    The method is that of Hatano et al. (2000), eq. 1 to 11, corrected. All visible landmarks together
+    identify the wanted one. If it can be either of two landmarks, more views are taken.
 
     Args:
-        robot: robot with its arm anywhere.
+        robot: robot with its arm in any posture.
         view: planned view of the landmark.
-        sought: the landmark, all landmarks of the plan, and the believed pose of the base.
-        rule: stop rule; `paper` also forgets the error left at the stop.
-        evidence: takes the deciding picture.
+        sought: the landmark, all landmarks of the plan, and the estimated pose of the base.
+        rule: stop rule; `paper` also ignores the remaining error of the hand.
+        evidence: evidence of the attempt, to which the last picture is added.
         held: object in the hand, posed in the hand frame.
-        around: bodies to keep clear of, in the base frame.
+        around: obstacles for the arm, in the base frame.
         search: search for a landmark that is not in the picture.
         looks: minimum number of views over the landmark; the result is their mean.
-        known: known part of the travelling error: the search starts from there.
+        known: known part of the travelling error (the base's pose relative to its target place), with which
+            the search starts; None: unknown.
 
     Raises:
         Discrepancy: the landmark is not found, cannot be distinguished from another one, or the hand does
-            not get over it.
+            not reach its view of it.
     """
     start = view.base_T_hand if known is None else placing_posture(known.lift(), view.base_T_hand)
     yield from move_to_pose(robot, start, held, around)
@@ -167,7 +173,7 @@ def fixate(
 
 
 def fixed_by(robot: Robot, name: str, place: str, planned: Pose2, found: Fixation) -> Fixed:
-    """Return the result of a fixation for the world model.
+    """Return the base's pose as measured by a fixation, in the form that the world model keeps.
 
     Args:
         robot: robot that has made the fixation, still in the same posture.
@@ -189,9 +195,9 @@ def covariance_of_mean(seen: Sequence[Pose2], noise: tuple[float, float]) -> Flo
     """Return the covariance (3, 3) of the mean of poses, of x, y in [m] and heading in [rad].
 
     Args:
-        seen: map_T_base of each, close together.
-        noise: least sigma of one pose, of its position in [m] and its heading in [rad]. The scatter of the
-            poses is added: few poses may agree by chance.
+        seen: the poses map_T_base, close together.
+        noise: sigma of one pose even if all poses agree, of its position in [m] and its heading in [rad].
+            The scatter of the poses is added to it.
     """
     position, heading = noise
     scatter = np.cov(np.array(seen), rowvar=False) if len(seen) > 1 else np.zeros((3, 3))
@@ -199,14 +205,14 @@ def covariance_of_mean(seen: Sequence[Pose2], noise: tuple[float, float]) -> Flo
 
 
 def upright(fixed: Fixed, known: SuspensionModel, height: float, beside: Transform) -> Pose2:
-    """Return map_T_base of a tilted base as it would be without tilt.
+    """Return the pose map_T_base by a fixation, corrected for the tilt of the base during the fixation.
 
     Args:
         fixed: fixation with the measured pose.
-        known: suspension model, whose tilt is removed.
-        height: height of the landmark above the floor, in [m]: the higher it is, the further a tilt moves it
-            in the picture.
-        beside: (4, 4) motion of the base by the tilt beyond the model, removed as well.
+        known: suspension model, which predicts the tilt.
+        height: height of the landmark above the floor, in [m]; a tilt moves a higher one further in the
+            picture.
+        beside: (4, 4) motion of the base by tilt that the model does not predict, corrected as well.
     """
     hand = transform((*fixed.reach, height))
     seen = beside @ known.displaced(hand, np.eye(4), 0)
@@ -215,11 +221,11 @@ def upright(fixed: Fixed, known: SuspensionModel, height: float, beside: Transfo
 
 
 def upright_sigma(fixed: Fixed, pose: Pose2) -> tuple[float, float]:
-    """Return the sigma of an upright pose, of its position in [m] and its heading in [rad].
+    """Return the sigma of a pose that `upright` has corrected, for its position in [m] and heading in [rad].
 
     Args:
         fixed: fixation with the measured pose.
-        pose: result of `upright` for it.
+        pose: the corrected pose.
     """
     position, heading = fixed.sigma
     return math.hypot(position, LEAN_SHARE * fixed.pose.distance(pose)), heading

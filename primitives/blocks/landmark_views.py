@@ -41,8 +41,9 @@ SAME_PX = 8.0  # between two finds of one mark in a picture
 
 
 class Sought(NamedTuple):
-    """Landmark that is searched for, with all others that it may be confused with, and the believed base
-    pose.
+    """Landmark to search for, with all landmarks that look alike, and the estimated pose of the base.
+
+    All poses are relative to the base's target place.
     """
 
     mark: PlannedMark
@@ -67,10 +68,10 @@ class _Difference(NamedTuple):
 
 
 class LandmarkViews:
-    """Pictures of one fixation, and the explanations of the marks seen in them.
+    """Identification of landmarks, which all look alike, in the pictures of one fixation.
 
-    `frames` is the number of pictures. An explanation assigns the seen marks to landmarks of the plan. A mark
-    that was seen is remembered until a picture that should show it doesn't.
+    An explanation assigns each mark that was seen to a landmark of the plan. A mark is remembered until a
+    picture that should show it does not. `frames` is the number of pictures taken.
     """
 
     def __init__(self, robot: Robot, view: PlannedView, sought: Sought, evidence: Evidence) -> None:
@@ -83,9 +84,9 @@ class LandmarkViews:
         self.frames = 0
 
     def look(self) -> Generator[None, None, None]:
-        """Wait for rest, take another picture, and update the explanations of all marks seen so far.
+        """Wait until the robot rests, take a picture, and update the explanations of all marks seen so far.
 
-        If the base was moved meanwhile, earlier pictures no longer count.
+        If the base was moved since the last picture, marks in earlier pictures are forgotten.
         """
         robot = self._robot
         yield from settle(robot)
@@ -112,16 +113,17 @@ class LandmarkViews:
 
     @property
     def explanations(self) -> list[MarkAssignment]:
-        """Most likely assignment of seen marks, and all almost as likely ones that imply another pose of the
-        base.
+        """Most likely assignment of seen marks to landmarks, then similarly likely ones, best first.
+
+        The latter are only those from which a different pose of the base follows.
         """
         return rivals(self._explained) if self._explained else []
 
     def wanted(self) -> Transform | None:
-        """Return camera_T_landmark (4, 4) of the wanted landmark by the last picture; None if it isn't
-        visible.
+        """Return camera_T_landmark (4, 4) of the wanted landmark by the last picture.
 
-        The camera is taken to be tilted as planned.
+        The camera's tilt and height over the landmark are assumed to be those of the planned view. None if
+        the landmark is not visible.
         """
         if self.explanation is None:
             return None
@@ -141,7 +143,9 @@ class LandmarkViews:
         return bool(self._inside(self._cameras[-1], mark.kind, [place])[0])
 
     def telling_hands(self, start: Transform) -> list[Transform]:
-        """Return poses base_T_hand whose pictures separate the explanations, the most informative one first.
+        """Return poses base_T_hand from which a picture can decide between the explanations.
+
+        The most informative one is first.
 
         Args:
             start: base_T_hand (4, 4); the poses are around it, at its height.

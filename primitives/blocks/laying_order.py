@@ -49,7 +49,11 @@ def wall_findings(loaded: Loaded[Drawing]) -> Iterator[Finding]:
 
 
 def laying_orders(drawing: Drawing) -> list[list[DrawnBlock]]:
-    """Return the one or two possible laying orders of all blocks: row by row, and in steps along the wall."""
+    """Return the possible orders in which to lay the blocks of a wall, from bottom to top.
+
+    One order finishes each row before the next one; the other finishes the wall's full height at one end
+    first, and goes on along the wall. Equal orders are returned once.
+    """
     blocks = drawing.blocks
     ends = np.array([block.place.floor[:2] for block in blocks])
     _, _, axes = np.linalg.svd(ends - ends.mean(axis=0))

@@ -48,7 +48,9 @@ THICKNESS_ERROR = 0.002  # [m]
 
 
 class PickUpBlock(ActionPrimitive):
-    """Take a block from above: at the supply, where the landmark locates it, or off the robot's own table.
+    """Take a block from above, at the supply or from the robot's own table.
+
+    At the supply, the block is located relative to a landmark.
 
     The closing fingers centre the block between them and remove its offset in that direction. The offset
     along the fingers remains (Hatano et al. 2000, sections 5.4 and 5.5), unless `look` measures it first.
@@ -132,7 +134,7 @@ class PickUpBlock(ActionPrimitive):
             )
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Return whether the fingers press on something as long as a block."""
+        """Return whether the fingers press on an object of a block's length."""
         return _grips(robot, building(model))
         yield
 
@@ -146,7 +148,11 @@ class PickUpBlock(ActionPrimitive):
         return own, *held_on(plan, plan.supply[self.number - 1], plan.supply)
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """Play the motion backwards, so that the block is put back, and check its pose with a picture."""
+        """Play the motion backwards, which puts the block back, and check the block's pose with a picture.
+
+        Raises:
+            NeedsPerson: the block is not seen at its place, or is off by more than the robot's tolerance.
+        """
         self._held, blocks = False, model.of(Blocks)
         blocks.taken = tuple(number for number in blocks.taken if number != self.number)
         yield from retrace(robot, start, trace)

@@ -51,14 +51,18 @@ MOST_OFF = 0.008  # [m] from its goal at which a block still counts as put there
 class Stack(ActionPrimitive):
     """Move the held block over its goal, lower it until it touches down, let go, withdraw, and look at it.
 
-    The goal is split into a place of the base and a posture of the arm from there; the posture is
-    corrected for the actual pose of the base (Hatano et al. 2000, eq. 7), known from the last fixation.
-    Since then the base has turned and tilted; `method` says which part is corrected. `fix_once`: nothing,
-    as in the paper. `model`: the prediction of the suspension's model (eq. 12). `imu`: the measurement of
-    the inertial sensors. `fix_again`: the landmark is viewed once more, with the block in hand.
-    `fix_again_model`: as `fix_again`, then the model from there on, fused with the earlier fixation.
-    `fix_again_imu`: as `fix_again_model`, with the turn by the gyros and the tilt beyond the model by the
-    accelerometers. `servo`: a landmark next to the goal is viewed.
+    The base is at a place, and the posture of the arm is corrected for the base's actual pose (Hatano et
+    al. 2000, eq. 7). This pose is known from the last fixation, a measurement at a landmark. Since then the
+    base has turned and tilted, and `method` decides how this is corrected:
+
+    - `fix_once`: not at all, as in the paper.
+    - `model`: by the prediction of the suspension's model (eq. 12).
+    - `imu`: by the inertial sensors.
+    - `fix_again`: the landmark is viewed once more, with the block in the hand.
+    - `fix_again_model`: as `fix_again`, fused with the earlier fixation; from then on as `model`.
+    - `fix_again_imu`: as `fix_again_model`, but with the turn measured by gyros, and the tilt that the model
+      does not predict by accelerometers.
+    - `servo`: a landmark next to the goal is viewed.
     """
 
     number: BlockNumber

@@ -16,11 +16,11 @@ TRAY_NAME = "tray"
 
 
 def held_on(plan: Building, foot: LevelPose, among: Sequence[LevelPose]) -> tuple[MeantContact, ...]:
-    """Return the contacts of a held block with its supports at `foot`.
+    """Return the intended contacts of a held block with the tables and blocks that support it at a goal.
 
     Args:
         plan: building plan with the tables.
-        foot: pose of the block, on the map.
+        foot: goal of the block, on the map.
         among: poses of the other blocks, in the order of their numbers, on the map.
     """
     length, width, height = plan.block

@@ -51,9 +51,9 @@ SIDE_UNAIDED_RADIUS_M = 0.005  # likewise where only its position distinguishes 
 class Approach(ActionPrimitive):
     """Bring the held book before its slot, straight and centred, just above the board.
 
-    A planned motion leads to the slot that SEARCH found. There the camera, which sits left of the hand,
-    sees the slot's left side past the book; the hand is moved until the book's middle is half a slot next
-    to it. Hand and slot are measured in one picture, so errors of base, arm and SEARCH cancel.
+    A planned motion leads to the slot that SEARCH found. There the camera, left of the hand, sees the slot's
+    left side past the book. The hand is moved until the book's middle is half a slot's width from that side.
+    Hand and slot are measured in one picture, so that errors of base, arm and SEARCH cancel.
     """
 
     shelf: PlaceName
@@ -74,7 +74,7 @@ class Approach(ActionPrimitive):
         return book_in(model)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return why the book can't be brought: another is held, or its slot is not known."""
+        """Return why the book cannot be brought (another one is held, or its slot is unknown), or ""."""
         slot = model.of(Books).slot
         known = slot is not None and slot.shelf == self.shelf
         return unlike_book(robot, model) or ("" if known else f"no slot is known on {self.shelf}")

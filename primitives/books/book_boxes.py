@@ -19,10 +19,12 @@ SHELF_DEPTH_M = 0.25  # of its depth that counts
 
 
 def shelf_boxes(base_T_shelf: Transform, shelf: Shelf) -> tuple[Box, ...]:
-    """Return boxes of a shelf in front of the robot, in the base frame: solid from just before its spines.
+    """Return boxes of a shelf as obstacles for the arm, in the base frame.
+
+    The shelf is filled with books, so that its box is solid and begins just before their spines.
 
     Args:
-        base_T_shelf: (4, 4), as measured.
+        base_T_shelf: (4, 4) measured pose of the shelf.
         shelf: dimensions of the shelf.
     """
     depth, height = SHELF_DEPTH_M + SPINE_OVERHANG_M, shelf.board_m + SHELF_HEIGHT_M

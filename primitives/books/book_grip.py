@@ -30,7 +30,7 @@ def holds(robot: Robot, book: Book) -> bool:
 
 
 def book_in(model: ModelView) -> str:
-    """Return the name of the recognized book in simulated worlds; empty if none was recognized."""
+    """Return the name of the recognized book's object in simulated worlds; empty without such a book."""
     book = model.of(Books).book
     return "" if book is None else name_of_book(book)
 
@@ -50,9 +50,9 @@ def unlike_book(robot: Robot, model: ModelView) -> str:
 
 
 def opening(robot: Robot, book: Book | None) -> Measured:
-    """Return the opening of the fingers for a `Discrepancy`: its error from the book's thickness.
+    """Return the difference of the fingers' opening from the book's thickness, to be put in a `Discrepancy`.
 
-    If no book is known or nothing is between the fingers, it is the opening itself.
+    If no book is known, or nothing is between the fingers, the opening itself is returned.
     """
     if book is None or not robot.gripper.closed_on_something():
         return width_read(robot)
@@ -72,7 +72,7 @@ def close_on(robot: Robot, book: Book) -> Periods:
     """Close the fingers on a book.
 
     Raises:
-        Discrepancy: there is nothing between them, or something of another thickness.
+        Discrepancy: between the fingers is nothing, or an object of another thickness than the book's.
     """
     yield from close(robot)
     width = 1e3 * robot.gripper.width()

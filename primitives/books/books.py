@@ -33,14 +33,14 @@ class Slot(NamedTuple):
     """y of the sides of books to the left of the slot, including the slot's own left side, in [m]."""
 
     def moved(self, y: float) -> Slot:
-        """Return the slot moved to the left, with its neighbours, by `y` in [m]."""
+        """Return the slot with its neighbours moved along the shelf by `y` in [m], positive to the left."""
         sides = tuple(side + y for side in self.sides)
         return self._replace(left=self.left + y, right=self.right + y, sides=sides)
 
 
 @dataclass
 class Books(Section):
-    """Knowledge of a robot that returns books to their shelves."""
+    """World model section with what a robot that returns books knows of them and of their slots."""
 
     FILES: ClassVar = {"catalogue": Catalogue}
     LEARNED: ClassVar = ("book", "book_pose", "slot")

@@ -75,11 +75,11 @@ class _Course(NamedTuple):
 class Insert(HeldBookPrimitive):
     """Push the held book straight into its slot, until the finger tips are just before the spines.
 
-    APPROACH has set the point of entry; the depth is measured on the shelf's front. A book that jams is
-    pulled out and tried a few millimetres to the side; a book that jams everywhere is a Fail and is pulled
-    back to the start. No sensor sees a neighbour that was pushed back, so the force decides: above 10 N a
-    person has to look. With `taught`, the hand plays back the postures `insert_1`, `insert_2` and so on,
-    and ignores the lidar.
+    The push begins where APPROACH has left the book; how far it goes is measured at the shelf's front. A book
+    that jams is pulled out and pushed again a few millimetres to the side. If it jams everywhere, it is
+    pulled back to the start, and the action Fails. No sensor shows whether a neighbour was pushed back, so
+    that the action gives up instead if it has pushed with more than 10 N. With the method `taught`, the hand
+    plays back the postures `insert_1`, `insert_2` and so on, and ignores the lidar.
     """
 
     shelf: PlaceName
@@ -101,7 +101,7 @@ class Insert(HeldBookPrimitive):
     _strongest: float = PrivateAttr(default=0.0)
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
-        """Return the preparing steps and the pushes; the first push that gets the book in ends them."""
+        """Return the behaviour tree of preparing steps and pushes; the first successful push ends it."""
         begin = {
             "measure how far it goes": lambda: self._measure(robot, model),
             "note what is about to be done": lambda: self.intend("the book is pushed between its neighbours"),
@@ -177,7 +177,11 @@ class Insert(HeldBookPrimitive):
             watch_grip(robot, model.of(Books).book)
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Return whether the book is still held; raise `Discrepancy` if the hand is not at its goal."""
+        """Return whether the book is still held after the push.
+
+        Raises:
+            Discrepancy: the hand is not where the push should have ended.
+        """
         books = model.of(Books)
         if self._base_T_end is None or books.book is None:
             return False
@@ -192,11 +196,15 @@ class Insert(HeldBookPrimitive):
         yield
 
     def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
-        """Return the contacts of the held book with the board and with the limits of its slot."""
+        """Return the intended contacts of the held book with its shelf and the two neighbours of its slot."""
         return row_contacts(model, self.shelf)
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """Pull the book straight back out of its slot."""
+        """Pull the book straight back out of its slot.
+
+        Raises:
+            NeedsPerson: the strongest force of the pushes may have pushed a neighbour back.
+        """
         yield from retrace(robot, start, trace)
         if self._strongest > PUSHES_BACK:
             raise NeedsPerson(

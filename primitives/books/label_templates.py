@@ -19,9 +19,9 @@ PAPER, INK = 244, 22
 
 
 def label_templates(numbers: Iterable[CallNumber]) -> dict[CallNumber, ByteArray]:
-    """Draw the label (h, w), grey, of each call number: upright, its text running left to right.
+    """Return a drawn picture (h, w) of each call number's label, in grey levels, with upright text.
 
-    It has `PX_PER_M` pixels a metre.
+    The pictures have `PX_PER_M` pixels a metre.
     """
     import matplotlib  # for its fonts alone; takes as long to import as the rest of a task's check
 

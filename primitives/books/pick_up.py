@@ -60,9 +60,9 @@ TAG_SIDE = 0.010  # [m] of the tag's black square
 class PickUp(TreePrimitive):
     """Take the book from the tray: grip the rear of its covers, next to the spine, lift it and carry it.
 
-    With `planned`, the hand lines up with the book that RECOGNIZE saw; with `taught`, it plays back
-    postures (`pick_up_1` before the book, `pick_up_2` gripping it, `pick_up_3` and later ones with it
-    lifted) and assumes that the book is where it was when they were taught.
+    With the method `planned`, the hand moves to the book's pose that RECOGNIZE measured. With `taught`, the
+    hand plays back taught postures: `pick_up_1` before the book, `pick_up_2` gripping it, `pick_up_3` and
+    later ones with the book lifted. The book must then be where it was when the postures were taught.
     """
 
     method: Literal["planned", "taught"] = "planned"
@@ -90,7 +90,7 @@ class PickUp(TreePrimitive):
         return ""
 
     def observe(self, robot: Robot, model: ModelView) -> Generator[None, None, Seen]:
-        """Return the position of the book's tag in the base frame; empty if it is not seen."""
+        """Return the position of the book's tag in the base frame, in [m]; empty if the tag is not seen."""
         books = model.of(Books)
         if books.book is None:
             raise Discrepancy("no book has been recognized", permanent=True, cause=causes.NOT_KNOWN)
@@ -108,9 +108,7 @@ class PickUp(TreePrimitive):
         return {}
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
-        """Return the steps, one after the other; how the hand comes there and goes away is planned or
-        taught.
-        """
+        """Return the behaviour tree, whose steps follow each other; `method` decides the hand's motion."""
         ways = {"planned": (self._go, self._carry), "taught": (self._go_as_taught, self._carry_as_taught)}
         there, away = ways[self.method]
         steps: dict[str, Step] = {
@@ -176,19 +174,19 @@ class PickUp(TreePrimitive):
             watch_grip(robot, model.of(Books).book)
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Return whether the fingers press on something as thick as the book."""
+        """Return whether the fingers press on an object of the book's thickness."""
         books = model.of(Books)
         return books.book is not None and holds(robot, books.book)
         yield
 
     def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
-        """Return the contacts with the book and of the book with the tray."""
+        """Return the intended contacts of the hand with the book, and of the book with the tray."""
         books = model.of(Books)
         book = "" if books.book is None else name_of_book(books.book)
         return MeantContact("hand", book), MeantContact("held", "tray")
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """Play the motion backwards: the lifted book is on the tray again before the fingers open."""
+        """Play the motion backwards, so that a lifted book is put on the tray before the fingers open."""
         self._held = False
         yield from retrace(robot, start, trace)
 

@@ -52,9 +52,9 @@ class _Sighting(NamedTuple):
 class Recognize(ActionPrimitive):
     """Read the tag of the book on the tray, and look it up in the catalogue.
 
-    The tag is read in a few views from neighbouring positions: the spine is where their lines of sight
-    meet. The turn of the book cannot be measured on a tag of 10 mm: the book is assumed to be straight,
-    and the fingers turn it.
+    The tag is read in a few pictures from neighbouring positions. The tag's position on the spine is where
+    the lines of sight of these pictures intersect. The heading of the book cannot be measured by a tag of 10
+    mm, so that the book is assumed to be straight; closing fingers will straighten it.
     """
 
     needs: ClassVar = (Arm, Camera)

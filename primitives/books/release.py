@@ -62,8 +62,9 @@ SAME_PLACE = 0.012  # [m] between where the book was let go and where its label 
 class Release(HeldBookPrimitive):
     """Let the book go in its slot and push it home: lower, open, back off, close, push, withdraw, look.
 
-    It cannot be undone from the opening on: pushed home, the book has nothing left to grip. Its label must
-    then be read in its slot, between the right neighbours; otherwise a person has to look.
+    Once the fingers have opened, the action cannot be undone, because a book that is pushed home cannot be
+    gripped. In the end its label must be read in its slot, between the right neighbours; otherwise the action
+    gives up.
     """
 
     shelf: PlaceName
@@ -84,7 +85,7 @@ class Release(HeldBookPrimitive):
     """Whether the label was read in its slot; None if it was not looked at."""
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
-        """Return the steps, one after the other."""
+        """Return the behaviour tree, whose steps follow each other."""
         steps = {
             "measure the shelf": lambda: self._measure(robot, model),
             "lower the book onto the board": lambda: self._lower(robot),
@@ -160,8 +161,9 @@ class Release(HeldBookPrimitive):
         yield from move_straight(robot, self._shelf @ goal)
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Return whether the book's label is read in its slot, between the right neighbours; then put the arm
-        away.
+        """Read the labels in a picture, put the arm away, and return whether the book is where it belongs.
+
+        Its label must be read in its slot, between the right neighbours.
         """
         if model.of(Books).book is None:
             return False
@@ -179,17 +181,21 @@ class Release(HeldBookPrimitive):
         return self._seen
 
     def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
-        """Return the contacts of the fingers with the book, and of the held book with the board and its
-        slot's limits.
+        """Return the intended contacts of the fingers and of the book.
+
+        The fingers touch the book; the book touches its shelf and the two neighbours of its slot.
         """
         books = model.of(Books)
         own = "" if books.book is None else name_of_book(books.book)
         return MeantContact("hand", own), *row_contacts(model, self.shelf)
 
     def finish(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Pull the hand back and put the arm away; after a fault the book is first pushed home.
+        """Finish an action that was interrupted after the fingers began to open.
 
-        Return whether its label was then read in its slot.
+        The hand is pulled back and the arm put away. After a fault, the book is first pushed home.
+
+        Returns:
+            True if the book was pushed home and its label read in its slot.
         """
         yield from settle(robot)
         if self._open_to is not None:

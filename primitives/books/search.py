@@ -62,10 +62,10 @@ MAX_SIDE_GAP_M = 0.002  # between the sides of two books, at most
 class Search(ActionPrimitive):
     """Look along the shelf, read the labels, and find the slot where the book belongs.
 
-    The camera moves on a straight line from left to right, past the held book, and stops for each view (a
-    book on the tray would be in the hand's way: pick it up first). The slot is then viewed twice more from
-    nearly straight ahead. Its position is valid in the shelf's frame as measured at this stop; APPROACH
-    corrects the rest.
+    The camera moves on a straight line from left to right and stops for each view, past a held book. A book
+    on the tray would be in the hand's way, so that it has to be picked up first. The slot is then viewed
+    twice more from nearly straight ahead. The slot's position is relative to the shelf's pose as measured
+    now; APPROACH measures it again.
     """
 
     shelf: PlaceName

@@ -31,20 +31,21 @@ SLOT_BRIGHTNESS_RATIO = 0.65  # a slot's brightness, against the spine's
 
 
 def seen_past(view: HandView) -> Strips:
-    """Return the strips visible past a held book, at the height at which it goes in."""
+    """Return strips of a picture that show the shelf past a held book, at the book's height."""
     return _strips(view, STRIP_HEIGHTS_M)
 
 
 def slot_edge(strips: Strips, expected: float, within: float, surely: float) -> float | None:
     """Return y of a slot's left side in the shelf frame, in [m]; None if no such side is seen.
 
-    In most shelves a slot is darker than its neighbour: such an edge takes precedence.
+    In most shelves a slot is darker than its neighbour. An edge that is darker on the slot's side therefore
+    takes precedence over others.
 
     Args:
-        strips: strips past the held book.
+        strips: strips of the picture past the held book.
         expected: y of the side in an earlier view, in [m].
-        within: maximum distance from there, in [m].
-        surely: maximum distance of an edge that is not darker on the slot's side, in [m].
+        within: maximum distance of a darker edge from `expected`, in [m].
+        surely: maximum distance of another edge from `expected`, in [m].
     """
     darker: list[float] = []
     others: list[float] = []
@@ -60,11 +61,11 @@ def slot_edge(strips: Strips, expected: float, within: float, surely: float) -> 
 def moved(strips: Strips, sides: Sequence[float], within: float) -> float | None:
     """Return the common shift of the books' sides since an earlier view, in [m]; None if too few agree.
 
-    At least two sides, and half of those in view, must agree. Each edge may belong to each side; the shift
-    with the most sides is taken, the smallest of several.
+    At least two sides, and half of those in view, must agree. Any edge in the picture may be any of the
+    sides. The shift in which most sides agree is returned; if several do, the smallest of them.
 
     Args:
-        strips: strips past the held book.
+        strips: strips of the picture past the held book.
         sides: y in the shelf frame in an earlier view, in [m].
         within: maximum shift, in [m].
     """
@@ -96,11 +97,11 @@ def side_near(strips: Strips, expected: float) -> float:
 def book_end(view: HandView, left: float, thickness: float) -> float | None:
     """Return y of the book end right of the last book in the shelf frame, in [m]; None if none is seen.
 
-    It may be as dark as some spines, so it is recognized by its edge, not by its grey level. Its face is
-    further back than the spines, so the camera must be straight before it.
+    A book end may be as dark as some spines, so that it is recognized by its edge, not by its grey level. Its
+    face is further back than the spines, so that the camera must be straight in front of its edge.
 
     Args:
-        view: view from before the book end's edge.
+        view: picture from straight in front of the book end's edge.
         left: y of the last book's right side, in [m].
         thickness: thickness of a book that a slot before the book end would take, in [m].
     """

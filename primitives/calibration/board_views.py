@@ -18,10 +18,11 @@ _GOLDEN = math.pi * (3.0 - math.sqrt(5.0))
 
 
 def board_views(base_T_board: Transform, count: int, scale: float = 1.0) -> Iterator[Transform]:
-    """Yield base_T_camera (4, 4) from all sides of a board, near and far, the camera turned too.
+    """Yield camera poses base_T_camera (4, 4) from which to view a calibration board for calibration.
 
-    Directions are spread evenly over a cap (a sunflower's seeds: Vogel, "A better way to construct the
-    sunflower head", 1979). The board is taken to lie level; how it is turned doesn't matter.
+    They are on all sides above the board, near and far, with the camera also turned about its axis. The
+    directions are spread evenly over a spherical cap (Vogel, "A better way to construct the sunflower head",
+    1979). The board is assumed to be level; its heading does not matter.
 
     Args:
         base_T_board: (4, 4) expected pose of the board.

@@ -53,9 +53,9 @@ class CalibrationResult(NamedTuple):
 class CalibrateCamera(ActionPrimitive):
     """Look at a calibration board from all sides; find the camera's intrinsics and its pose on the hand.
 
-    Zhang (2000) for the intrinsics, `cv2.calibrateHandEye` and a refinement for the mount. The base tilts
-    as the arm moves: the tilt that the suspension's model predicts is removed. The result is a proposal
-    for the robot's file.
+    The intrinsics are computed by the method of Zhang (2000), the camera's pose by `cv2.calibrateHandEye` and
+    a refinement. The base tilts as the arm moves; the tilt that the suspension's model predicts is corrected.
+    The result is a proposal for the robot's file.
     """
 
     board: Annotated[str, Field(min_length=1)]

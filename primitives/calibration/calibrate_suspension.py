@@ -49,7 +49,7 @@ Names = Annotated[tuple[LandmarkName, ...], Field(min_length=3)]
 
 
 class HandSurroundings(NamedTuple):
-    """Landmarks, held object and obstacles around the hand, in the base frame."""
+    """Landmarks to view, the held object, and obstacles for the arm; poses are in the base frame."""
 
     marks: list[LandmarkPlan]
     base_T_marks: list[Transform]
@@ -60,10 +60,10 @@ class HandSurroundings(NamedTuple):
 class CalibrateSuspension(ActionPrimitive):
     """View landmarks near and far, then swing the load out and back; fit the base's tilt and turn.
 
-    The base tilts towards the hand: in views from near and far, high and low, landmarks seem to have moved
-    and to have come nearer. It turns with each swing: then the same landmark is seen turned. Between the
-    landmarks the hand moves in short steps, which keeps the two effects apart. The result is a proposal
-    for the robot's file (Hatano et al. 2000, section 4).
+    The base tilts towards the hand, so that landmarks in views from near and far, high and low, appear
+    shifted and nearer. The base also turns with each swing of the loaded arm, so that the same landmark then
+    appears turned. Between the landmarks the hand moves in short steps, which do not turn the base. The
+    result is a proposal for the robot's file (Hatano et al. 2000, section 4).
     """
 
     landmarks: Names
@@ -80,7 +80,7 @@ class CalibrateSuspension(ActionPrimitive):
     hand: ClassVar = CARRIES_OBJECT
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return a message if the hand holds no block of the plan, whose load makes the base lean."""
+        """Return a message if the hand does not hold a block of the plan, which is needed as a load."""
         return unlike_block(robot, model)
 
     @override

@@ -44,7 +44,7 @@ def above(robot: Robot, base_T_mark: Transform, height: float) -> Transform:
     Args:
         robot: robot whose hand-eye calibration is used.
         base_T_mark: (4, 4) pose of the landmark.
-        height: height of the camera above it, in [m].
+        height: height of the camera above the landmark, in [m].
     """
     hand = pointing_down(Pose2(0.0, 0.0, 0.0), 0.0)
     hand[:3, 3] = base_T_mark[:3, 3] + (0.0, 0.0, height) - (hand @ robot.camera.hand_T_camera)[:3, 3]
@@ -54,15 +54,19 @@ def above(robot: Robot, base_T_mark: Transform, height: float) -> Transform:
 def creep(
     robot: Robot, base_T_hand: Transform, held: Box, around: Sequence[Box]
 ) -> Generator[None, None, int]:
-    """Move the hand straight to a pose, in steps too short to be swings; return the number of swings.
+    """Move the hand straight to a pose, in steps so short that the base does not turn.
 
-    If the robot's file counts every motion as a swing, the hand moves in one step.
+    A swing is a longer motion of the loaded hand, which turns the base. If the robot's file counts every
+    motion as a swing, the hand moves in one step.
 
     Args:
-        robot: its arm holds the last commanded joints.
+        robot: robot whose arm is at its last command.
         base_T_hand: (4, 4) final pose of the hand.
         held: held object, posed in the hand frame.
-        around: bodies to keep clear of, posed in the base frame.
+        around: obstacles for the arm, posed in the base frame.
+
+    Returns:
+        Number of swings, 0 or 1.
     """
     start = robot.arm_model.forward(robot.arm.command())
     way = base_T_hand[:3, 3] - start[:3, 3]
@@ -82,10 +86,10 @@ def see(
     """Take one picture of a landmark below the camera.
 
     Args:
-        robot: its hand is above the landmark.
+        robot: robot whose hand is above the landmark.
         mark: the landmark of the plan.
         base_T_mark: (4, 4) expected pose of the landmark.
-        evidence: receives the picture.
+        evidence: evidence of the attempt, to which the picture is added.
 
     Raises:
         Discrepancy: the picture does not show the landmark.

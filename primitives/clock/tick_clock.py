@@ -21,7 +21,7 @@ class WallClockError(RuntimeError):
 
 
 class TickTime(ModuleType):
-    """Replacement of the module `time` for py_trees, which counts the robot's time."""
+    """Replacement of the module `time` for py_trees, whose clocks show the robot's time within a tick."""
 
     def __getattr__(self, name: str) -> Any:
         """Return an attribute of the standard library's `time`."""
@@ -62,10 +62,10 @@ for _name in CLOCK_NAMES:
 
 @contextmanager
 def robot_clock(now: Callable[[], float]) -> Iterator[None]:
-    """Let the trees that this thread ticks inside the block see the robot's clock.
+    """Replace the wall clock by the robot's time for behaviour trees that this thread ticks in the context.
 
     Args:
-        now: returns the robot's time, in [s].
+        now: function that returns the robot's time, in [s].
     """
     serve_library()
     token = _robot_time.set(now)
@@ -83,7 +83,7 @@ The number alone stays the same where a module is removed and another one import
 
 
 def serve_library() -> None:
-    """Give `TickTime` to each loaded module of py_trees that has imported `time`."""
+    """Replace the module `time` by `TickTime` in each loaded module of py_trees that has imported it."""
     count, last = len(sys.modules), sys.modules[next(reversed(sys.modules))]
     if _served["count"] == count and _served["last"] is last:
         return  # each tick of a tree asks

@@ -88,19 +88,26 @@ class ActionPrimitive(FileModel, ABC):
 
     @classmethod
     def usual_hand_use(cls) -> HandUse:
-        """Return what all instances require of the hand and leave in it, unless parameters decide that."""
+        """Return the content of the hand that the primitive requires at its start, and that after Success.
+
+        For primitives whose parameters decide this, `hand_use` of an instance differs.
+        """
         if cls.hand is not None:
             return cls.hand
         return USE_UNDECLARED if Gripper in cls.needs and not cls.only_knowledge else USES_NO_FINGERS
 
     def hand_use(self) -> HandUse:
-        """Return what the primitive requires of the hand and leaves in it; override if parameters decide
-        that.
+        """Return the content of the hand that is required at the start, and that after Success.
+
+        A subclass whose parameters decide this overrides it.
         """
         return self.usual_hand_use()
 
     def needs_arm_inside(self) -> bool:
-        """Return whether the hand must be within the footprint; override if parameters decide that."""
+        """Return whether the hand must be within the robot's footprint at the start.
+
+        A subclass whose parameters decide this overrides it.
+        """
         return self.arm_inside
 
     def thing(self, model: ModelView) -> str:
@@ -111,31 +118,31 @@ class ActionPrimitive(FileModel, ABC):
         return ""
 
     def lacking(self, kinds: Sequence[type[Capability]], model: ModelView) -> str:
-        """Return what the robot lacks for these parameters; empty if nothing.
+        """Return, in words, what the robot lacks for this instance's parameters; empty if it lacks nothing.
 
-        Called when a task is checked: a task with such an action is refused, as with one whose `needs` are
-        not met.
+        Called when a task is checked. If anything is lacking, the task is refused, as it is for capabilities
+        in `needs` that the robot lacks.
 
         Args:
             kinds: classes of the robot's capabilities.
-            model: what is known before the start.
+            model: world model before the start.
         """
         return ""
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return a message about an unmet condition of the start; empty if all are met.
+        """Return a message about a condition for the start that is not met; empty if all are met.
 
-        Called at rest, after `hand` and `arm_inside` were checked, and before anything moves. With a
-        message the action is not started, which counts as its Fail, and the run is planned again.
+        Called at rest, after `hand` and `arm_inside` were checked, and before anything moves. If a message is
+        returned, the action is not started, which counts as its Fail, and the run is planned again.
         """
         return ""
 
     @abstractmethod
     def motion(self, robot: Robot, model: ModelView) -> Periods:
-        """Control the robot by one choice of actuators and sensor feedback, until the end is reached."""
+        """Control the robot until the motion's end is reached, as a generator that yields once a period."""
 
     def watch(self, robot: Robot, model: ModelView) -> None:
-        """Check a condition of every period, also while restoring.
+        """Check a condition that must hold during the motion; called once a period, also while restoring.
 
         Raises:
             Discrepancy: the motion must not continue.
@@ -145,7 +152,7 @@ class ActionPrimitive(FileModel, ABC):
     def observe(self, robot: Robot, model: ModelView) -> Generator[None, None, Seen]:
         """Return the positions of the objects that the motion will touch, measured now; by default none.
 
-        Called at rest before the motion and after a restore, to compare both.
+        Called at rest before the motion and after restoring; the two results are compared.
         """
         return {}
         yield
@@ -153,38 +160,49 @@ class ActionPrimitive(FileModel, ABC):
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """Return whether the wanted effect is observed; called at rest at the end of the motion.
 
-        By default True: no sensor can observe it.
+        The default is True, for primitives whose effect no sensor can observe.
         """
         return True
         yield
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """Bring everything back to `start`; by default the recorded motion is played backwards."""
+        """Bring the robot, and objects that it moved, back to `start`.
+
+        By default the recorded motion is played backwards.
+
+        Args:
+            robot: the robot.
+            model: the world model.
+            start: state of the robot before the motion.
+            trace: record of the motion.
+        """
         yield from retrace(robot, start, trace)
 
     def base_room(self, robot: Robot, model: ModelView) -> float:
-        """Return the largest distance of the base from its start, in [m], at which a Fail still allows the
-        next action.
+        """Return the largest distance from the start at which the base may end after a Fail, in [m].
 
-        The tolerance of the robot's file holds as well; by default it alone.
+        Further away, the next action might not be possible, so that the outcome is GiveUp. The tolerance in
+        the robot's file is checked as well; the default here is infinity.
         """
         return math.inf
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
-        """Return the intended contacts; any other contact of the robot makes its Success false.
+        """Return the contacts that the motion intends between robot, held object and surroundings.
 
-        The judge calls this with the ground truth when a contact occurs; it changes no behaviour.
+        It is only called in simulation, to judge outcomes, with a world model that has the ground truth. A
+        Success with any other contact of the robot counts as false.
         """
         return ()
 
     def finish(self, robot: Robot, model: ModelView) -> Generator[None, None, bool | None]:
-        """Bring the robot out of the way after a point of no return; nothing is retraced.
+        """Bring the robot into a safe posture after an interruption that follows a point of no return.
 
-        It is called again after a fault breaks it off, if the task allows more than one restoring.
+        It takes the place of restoring, which is impossible then. If a fault interrupts it, it is called
+        again, as often as the task allows restoring.
 
         Returns:
-            True if the motion was completed and its effect measured: after a fault of a machine or of code
-                the action is then a Success, otherwise a GiveUp; False by default.
+            True if the motion was completed and its effect measured. If a fault of a machine or of code was
+                the interruption, the outcome is then Success. In all other cases it is GiveUp.
         """
         return False
         yield
@@ -192,7 +210,8 @@ class ActionPrimitive(FileModel, ABC):
     def intend(self, effect: str) -> Periods:
         """Announce an effect, and wait until the announcement is stored; the robot holds meanwhile.
 
-        For effects that a crash would leave unknown: fingers that close or open, a tool change.
+        A primitive announces effects of which a crash would leave unknown whether they happened, such as
+        fingers that close or open.
         """
         self._intents.intends(effect)
         while not self._intents.kept:
@@ -209,7 +228,10 @@ class ActionPrimitive(FileModel, ABC):
 
     @property
     def met_fault(self) -> bool:
-        """True if a fault of a machine or of code broke off the motion, not a finding or a person."""
+        """True if the motion was broken off by a fault of a machine or of code.
+
+        Discrepancies with the world model, and requests of a person, are no faults.
+        """
         found = self._evidence.causes
         return bool(found) and found[0].kind in causes.FAULT_CAUSES
 

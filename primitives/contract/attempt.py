@@ -60,17 +60,17 @@ def attempt(
 ) -> Generator[None, None, Outcome]:
     """Run a primitive to its outcome; one `yield` is one period, after which the caller steps the robot.
 
-    The attempt stops, restores, waits for rest, measures, and compares with the absolute snapshot; this
-    decides between Fail and GiveUp. A `Discrepancy` thrown in from outside (a cancel) restores like any
-    other.
+    After a `Discrepancy`, the robot stops, restores, waits for rest and measures. The outcome is Fail if the
+    state then equals the snapshot from before the motion, within tolerances, and GiveUp otherwise. To cancel
+    an attempt, the caller throws a `Discrepancy` into the generator.
 
     Args:
-        primitive: a fresh instance with bound parameters.
-        robot: at rest.
-        model: world model; the primitive sees the entries that it declared.
+        primitive: a new instance with all its parameters.
+        robot: the robot, at rest.
+        model: world model; the primitive has access only to the entries that it declares.
         on_restore: called with the reason when restoring begins.
-        intents: receives the primitive's announcements; no command is sent before they are stored.
-        patience: how often restoring is tried if a fault breaks it off.
+        intents: receiver of the primitive's announcements; no command is sent before they are stored.
+        patience: limits on repeating the restoring if a fault breaks it off.
     """
     view = model.view(primitive)
     if primitive.only_knowledge:
@@ -359,7 +359,7 @@ def _within_time(way_back: Periods, robot: Robot, primitive: ActionPrimitive, mo
 
 
 def pushed_reason(robot: Robot) -> str:
-    """Return why a base that was moved by others calls for a person."""
+    """Return the reason of a GiveUp after somebody lifted or pushed the base."""
     lifted = robot.localization.lifted
     return PUSHED_REASON if lifted is None else f"the robot doesn't know where it is: {lifted.why}"
 

@@ -20,18 +20,18 @@ def behaviour_primitive(
     reads: tuple[str, ...] = (),
     writes: tuple[str, ...] = (),
 ) -> type[TreePrimitive]:
-    """Return a primitive class that wraps any behaviour or tree; restoring plays the recorded motion
-    backwards.
+    """Return a primitive class whose motion is a given behaviour or behaviour tree of py_trees.
 
-    An entry point of the group `handcart.primitives` makes it known to task files.
+    To restore, it plays the recorded motion backwards. An entry point of the group `handcart.primitives`
+    makes the class available in task files.
 
     Args:
-        name: name of the class, in CamelCase: `WaterPlants` is WATER_PLANTS in task files.
-        make: makes a new behaviour for each attempt. It commands the robot in `update`, once a period, and
-            never steps it.
-        needs: capabilities that it needs.
-        reads: sections of the world model that it reads.
-        writes: sections of the world model that it writes.
+        name: name of the class, in CamelCase; `WaterPlants` is WATER_PLANTS in task files.
+        make: function that makes a new behaviour for each attempt. The behaviour commands the robot in its
+            method `update`, once a period, and never steps it.
+        needs: capabilities that the primitive needs.
+        reads: entries of the world model that the primitive reads.
+        writes: entries of the world model that the primitive writes.
     """
 
     def tree(self: TreePrimitive, robot: Robot, model: ModelView) -> Behaviour:

@@ -19,10 +19,11 @@ PRESSING_FORCE_N = 5.0  # on the hand: a smaller force may be the sensor's offse
 
 
 def halt(robot: Robot) -> Generator[None, None, None]:
-    """Stop the robot, and wait until nothing moves; without readings, don't wait.
+    """Stop the robot, and wait until nothing moves; if sensors fail, do not wait.
 
-    A hand that presses is commanded to its measured pose: an arm jammed by a base that slid would
-    otherwise push the base aside, little by little. The jam follows the arm, so the command is repeated.
+    If the hand presses on something, the arm is commanded to its measured joints, which relieves the force.
+    An arm that is jammed because the base slid would otherwise push the base aside, little by little. The
+    jam may follow the arm, so that the command is repeated.
     """
     robot.stop()
     with suppress(Exception):  # the GiveUp that follows has the cause; a failed reading must not hide it

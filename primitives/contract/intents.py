@@ -4,9 +4,10 @@ from __future__ import annotations
 
 
 class Intents:
-    """Receiver of announcements of effects that can't be repeated; this base class keeps none.
+    """Receiver of a primitive's announcements of effects that can't be repeated.
 
-    A run's journal keeps them, so that after a crash it is known what may have happened.
+    In a run, a subclass writes them to the journal, so that after a crash it is known which effects may have
+    happened. This base class does not store them.
     """
 
     def intends(self, effect: str) -> None:
@@ -17,7 +18,7 @@ class Intents:
 
     @property
     def kept(self) -> bool:
-        """True if all announcements so far would outlast a crash."""
+        """True if all announcements so far are stored, so that a crash does not lose them."""
         return True
 
 

@@ -22,11 +22,11 @@ NOT_FOLLOWED = (ActionPrimitive, *ActionPrimitive.__mro__[1:])
 
 @cache
 def causes_of(kind: type[ActionPrimitive]) -> tuple[CauseKind, ...]:
-    """Return the causes that the code of a primitive names, in alphabetical order.
+    """Return the causes of a Fail or GiveUp that occur in the code of a primitive, in alphabetical order.
 
-    The code is that of its class, and of all functions and classes that this names, in `handcart.primitives`
-    and in the packages of its class and base classes. Causes that the framework adds to any attempt are not
-    included (see `framework_causes`).
+    The code is that of the primitive's class, and of all functions and classes used there, if they are in
+    `handcart.primitives` or in the packages of the class and its base classes. Causes that an attempt of any
+    primitive may have are not included (see `framework_causes`).
     """
     packages = {item.__module__.partition(".")[0] for item in kind.__mro__} - {"builtins", "handcart"}
     return _sorted(_Walk(packages).causes_from(kind))

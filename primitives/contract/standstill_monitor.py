@@ -13,10 +13,9 @@ MIN_MOTION = (0.005, math.radians(0.3))  # [m], [rad]: less is not motion
 
 
 class StandstillMonitor:
-    """Monitor that distinguishes a base with stuck drives from a waiting base, which is not commanded to
-    drive.
+    """Monitor that detects a base that does not move although it is commanded to drive.
 
-    A base held back by an obstacle waits until that has gone.
+    A base that the guard holds back before an obstacle is not reported.
     """
 
     def __init__(self, robot: Robot) -> None:

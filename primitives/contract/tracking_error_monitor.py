@@ -17,9 +17,9 @@ IN_A_ROW = 3  # periods of it: a single reading may be broken
 
 
 class TrackingErrorMonitor:
-    """Monitor that compares the joints' readings with their commands, period by period.
+    """Monitor that detects arm joints that do not follow their commands.
 
-    A stuck arm and frozen encoders look alike here; the arm is unusable in both cases.
+    A stuck arm cannot be distinguished from frozen encoders; the arm is unusable in both cases.
     """
 
     def __init__(self, robot: Robot, tolerance: float = TRACKING_TOLERANCE_RAD) -> None:

@@ -32,16 +32,16 @@ class TreePrimitive(ActionPrimitive):
     `NeedsPerson` as a failure that another child could repair. Running leaves are stopped at every end of
     the motion.
 
-    Times of py_trees itself (`Timer`, `Timeout`) use the robot's clock. A behaviour whose own code reads
-    the wall clock is rejected by name, when a task is loaded and before the first tick.
+    Behaviours of py_trees that measure time (`Timer`, `Timeout`) use the robot's clock. A behaviour whose own
+    code reads the wall clock is rejected when a task is loaded, and before the first tick.
     """
 
     @abstractmethod
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
         """Return a new tree for this attempt.
 
-        Only the leaves, once they run, may read robot and model: `handcart describe` builds the tree without
-        them.
+        Robot and model may only be used when the leaves run, not while the tree is built, because
+        `handcart describe` builds the tree without them.
         """
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
@@ -52,8 +52,10 @@ class TreePrimitive(ActionPrimitive):
 
 
 class GeneratorBehaviour(Behaviour):
-    """Leaf of a behaviour tree made of a generator of periods: RUNNING while it yields, FAILURE if it returns
-    False.
+    """Leaf of a behaviour tree that runs a generator, one step for each tick.
+
+    Its status is RUNNING while the generator yields, FAILURE if the generator returns False, and SUCCESS if
+    it returns anything else.
     """
 
     def __init__(self, name: str, factory: Step) -> None:
@@ -86,8 +88,8 @@ class GeneratorBehaviour(Behaviour):
 def leaves(steps: Mapping[str, Step]) -> list[Behaviour]:
     """Return a leaf for each named step.
 
-    In a composite with memory, the next leaf begins in the period in which the previous one ends, so the
-    leaves take as long as one generator.
+    In a composite of py_trees with memory, such as a Sequence, a leaf begins in the same period in which the
+    previous one ends, so that no period is lost between two steps.
     """
     return [GeneratorBehaviour(name, step) for name, step in steps.items()]
 
@@ -97,7 +99,7 @@ def ticked(root: Behaviour, now: Callable[[], float]) -> Periods:
 
     Args:
         root: a new tree.
-        now: returns the robot's time, in [s], which replaces the wall clock inside the tree.
+        now: function that returns the robot's time, in [s], which replaces the wall clock inside the tree.
 
     Raises:
         Discrepancy: the tree failed.

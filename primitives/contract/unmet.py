@@ -18,8 +18,8 @@ def find_unmet(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> s
     The declared preconditions are checked before the primitive's own. No command is sent.
 
     Args:
-        primitive: with bound parameters.
-        robot: at rest.
+        primitive: instance with all its parameters.
+        robot: the robot, at rest.
         model: world model.
     """
     own = primitive.unmet_precondition
@@ -34,7 +34,8 @@ def find_unmet(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> s
 def note_hand(primitive: ActionPrimitive, model: WorldModel) -> None:
     """Set the model's `in_hand` to what the hand holds after a primitive's Success.
 
-    It is unchanged after a primitive that leaves the hand as it was, and empty if the content is unknown.
+    The entry is unchanged if the primitive does not change the content of the hand, and empty if the hand is
+    then empty or its content unknown.
     """
     after = primitive.hand_use().after
     if after is not Hand.SAME:

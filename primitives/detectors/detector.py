@@ -37,8 +37,8 @@ class Detection(NamedTuple):
 class Detector(ABC):
     """Base class of detectors that find objects in colour and depth pictures.
 
-    An entry point names a subclass. It is created once for a run, with the options that the file of objects
-    has under its name, and called with each depth picture.
+    A subclass is made available by an entry point. One instance is created for a run, with the options that
+    the file of objects has under the entry point's name, and called with each depth picture.
     """
 
     def __init__(self, kinds: Mapping[str, KnownSolid], options: Mapping[str, Any], folder: Path) -> None:
@@ -99,10 +99,10 @@ def make_detector(
 def checked_detections(
     name: str, detector: Detector, image: DepthImage, camera: CameraModel
 ) -> tuple[Detection, ...]:
-    """Return what a detector finds in a picture, checked.
+    """Return the objects that a detector finds in a picture, after checking its answer.
 
     Raises:
-        BrokenDetector: it raises, or something in its answer has the wrong type, shape or value.
+        BrokenDetector: the detector raises an error, or its answer has a wrong type, shape or value.
     """
     try:
         found = tuple(detector.detect(image, camera))

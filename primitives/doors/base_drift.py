@@ -18,7 +18,7 @@ MIN_RECORDS = 10
 
 
 class BaseDrift:
-    """Points that were measured in the frame of a base that creeps, each with a lidar scan."""
+    """Recorder of points in the base frame that corrects a slow drift of the base, by lidar scans."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -47,9 +47,10 @@ class BaseDrift:
             self._scans.append(self._lidar.scan())
 
     def points(self) -> FloatArray:
-        """Return all points (n, 3) in the frame that the base has at the last one, in [m].
+        """Return all points (n, 3) in the base frame at the time of the last one, in [m].
 
-        Without a lidar, or with too few or unlike scans, they are returned as recorded.
+        The base's motion between them is estimated from the scans. Without a lidar, or if the scans are too
+        few or do not match, the points are returned as recorded.
         """
         points, motions = np.array(self._points), self._motions()
         if motions is None:

@@ -28,8 +28,8 @@ MIN_TRAVEL_M = 0.02
 class CloseDoor(MoveDoor):
     """Take the handle of an open door or drawer and close it until the stop is felt.
 
-    How far it is open follows from how it was opened, otherwise from a look at its tags. The stop has to be
-    felt where the door is closed; a last look shows that it stays there.
+    The opening is known if the robot has moved this door before; otherwise it is measured by the tags. The
+    stop must be felt where the door is closed. A picture in the end must show that the door stays closed.
     """
 
     @override

@@ -59,12 +59,12 @@ def find_handle(
 
     Args:
         robot: robot with a camera.
-        model: knows surfaces and objects.
+        model: world model with surfaces and objects.
         name: name of the door.
         door: the door as the file describes it.
-        expected: base_T_handle (4, 4) by what is known.
-        around: bodies that the arm must not touch, in the base frame.
-        evidence: receives the last picture.
+        expected: expected pose base_T_handle (4, 4).
+        around: obstacles for the arm, in the base frame.
+        evidence: evidence of the attempt, to which the last picture is added.
 
     Raises:
         Discrepancy: no view is free, or no tag is read.

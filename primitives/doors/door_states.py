@@ -19,7 +19,13 @@ from .pulling import Pull
 
 
 def measured_joint(robot: Robot, state: DoorState, height: float) -> DoorJoint:
-    """Return the joint in the base frame of a door that was moved; its handle is at a height in [m]."""
+    """Return the hinge or slide, in the base frame, of a door that the robot has moved before.
+
+    Args:
+        robot: the robot, whose pose on the map is used.
+        state: state in which the door was left.
+        height: height of the door's handle above the floor, in [m].
+    """
     closed = np.asarray(base_T_map(robot) @ state.closed.lift(height))
     if state.hinge is None:
         return DoorJoint(closed, None, state.sign)
@@ -30,12 +36,12 @@ def measured_joint(robot: Robot, state: DoorState, height: float) -> DoorJoint:
 def state_after(
     robot: Robot, name: str, joint: DoorJoint, pulled: Pull, span: tuple[float, float]
 ) -> DoorState:
-    """Return how a door is left by a hand that moved its handle.
+    """Return the state of a door after the robot has moved its handle.
 
     Args:
-        robot: at the place where the handle was moved.
+        robot: robot at the place from which it moved the handle.
         name: name of the door.
-        joint: believed joint in the base frame.
+        joint: hinge or slide in the base frame, as assumed before the motion.
         pulled: measured path of the handle.
         span: opening before the motion, and the wanted opening, in [rad] if the door is hinged, in [m] if it
             slides.

@@ -39,7 +39,7 @@ class MeasuredHinge(NamedTuple):
 
 
 class DoorState(NamedTuple):
-    """A door as a hand left it."""
+    """State in which the robot left a door or drawer, with the measured hinge or slide."""
 
     door: str
     motion: str
@@ -55,7 +55,7 @@ class DoorState(NamedTuple):
 
 @dataclass
 class Doors(Section):
-    """Knowledge of a robot that opens and closes doors."""
+    """World model section with what a robot that opens and closes doors knows of them."""
 
     FILES: ClassVar = {"doors": DoorsFile}
     LEARNED: ClassVar = ("door_states",)
@@ -75,7 +75,7 @@ class Doors(Section):
 
     @override
     def faults(self, robot: RobotFile) -> Iterator[Finding]:
-        """Report handles that the fingers cannot take between them."""
+        """Yield a finding for each handle that does not fit between the robot's fingers."""
         if self.listed is not None and robot.gripper is not None:
             yield from gripper_findings(self.listed.document, self.doors, robot.gripper.opening_mm)
 
@@ -97,11 +97,11 @@ class Doors(Section):
         return (door.movable_area() for door in self.doors.doors.values())
 
     def state_of(self, name: str) -> DoorState | None:
-        """Return how a door was left; None if it wasn't moved."""
+        """Return the state in which the robot left a door; None if it has not moved the door."""
         return next((state for state in self.door_states if state.door == name), None)
 
     def note(self, state: DoorState) -> None:
-        """Store how a door was left, in place of its earlier state."""
+        """Store the state in which the robot left a door, in place of an earlier state of the same door."""
         others = (door_state for door_state in self.door_states if door_state.door != state.door)
         self.door_states = (*others, state)
 

@@ -25,7 +25,7 @@ Name = Annotated[str, Field(min_length=1, max_length=60)]
 
 
 class KnownDoor(DoorShape):
-    """A door or a drawer; its motion and its radius are believed, and measured when it is opened."""
+    """A door or drawer in the file; kind of motion and radius are assumptions until the door is opened."""
 
     tags: Annotated[tuple[DoorTag, ...], Field(min_length=1)]
     """Tags on its front, by which its handle is found."""
@@ -33,7 +33,7 @@ class KnownDoor(DoorShape):
     """Place of the base before it."""
 
     def movable_area(self) -> MovableArea:
-        """Return what its leaf sweeps from closed to open, as far as its motion is believed."""
+        """Return the area that the door sweeps between closed and open, by the motion stated in the file."""
         joint = self.joint(self.handle.pose, self.radius_m or UNKNOWN_RADIUS_M)
         front, (thickness, width, height) = self.front(joint)
         half = (
@@ -68,7 +68,7 @@ class DoorsFile(FileModel):
 
 
 def gripper_findings(document: Document, file: DoorsFile, opening_mm: float) -> Iterator[Finding]:
-    """Yield handles that are too thick for fingers with an opening."""
+    """Yield a finding for each handle that is too thick for fingers that open by `opening_mm`."""
     for name, door in file.doors.items():
         if door.handle.width_mm >= opening_mm:
             wrong = f"the bar is too thick for the fingers: {door.handle.width_mm:g} mm"

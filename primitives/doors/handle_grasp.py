@@ -58,15 +58,15 @@ def plan_handle(
     openings: Sequence[float],
     around: Sequence[Solid],
 ) -> PlannedHandle | None:
-    """Return the posture with which the hand can follow the believed path the farthest; None without any.
+    """Return the grasp with which the hand can move the handle the farthest; None if there is none.
 
     Args:
         robot: robot with an arm and a gripper.
         door: the door.
-        base_T_handle: (4, 4) pose of the handle, as it was seen.
-        joint: believed joint of the door, in the base frame.
-        openings: believed opening now, and at the end, in [rad] or [m].
-        around: bodies that the arm must not touch, in the base frame, with the front of the door.
+        base_T_handle: (4, 4) measured pose of the handle.
+        joint: assumed hinge or slide of the door, in the base frame.
+        openings: assumed opening now, and wanted one, in [rad] if hinged, in [m] if sliding.
+        around: obstacles for the arm, in the base frame, including the front of the door.
     """
     spec = robot.spec.gripper
     half = (spec.opening_mm if spec is not None else 0.0) / 2e3

@@ -56,7 +56,7 @@ MAX_JOINT_ERROR_RAD = 0.05  # of a joint from its command: a hand that pulls ben
 
 
 class MoveDoor(ActionPrimitive):
-    """Base of the primitives that take a handle and move it along the path of its door."""
+    """Base class of the primitives that take the handle of a door or drawer and open or close it."""
 
     door: DoorName
     """Name of the door or drawer."""
@@ -79,11 +79,17 @@ class MoveDoor(ActionPrimitive):
 
     @abstractmethod
     def expected_opening(self, model: ModelView) -> float:
-        """Return the opening that the door is believed to have, in [rad] or [m]."""
+        """Return the expected opening of the door, in [rad] if hinged, in [m] if sliding."""
 
     @abstractmethod
     def span(self, model: ModelView, joint: DoorJoint, seen: Transform) -> tuple[float, float]:
-        """Return the opening now and the wanted one, in [rad] or [m], for a handle seen at a pose (4, 4)."""
+        """Return the present and the wanted opening of the door, in [rad] if hinged, in [m] if sliding.
+
+        Args:
+            model: world model.
+            joint: assumed hinge or slide of the door, in the base frame.
+            seen: (4, 4) measured pose of the handle, in the base frame.
+        """
 
     @abstractmethod
     def move_handle(
@@ -92,11 +98,11 @@ class MoveDoor(ActionPrimitive):
         """Move the held handle, check how far it went, and return its path and the state of the door.
 
         Args:
-            robot: its hand holds the handle.
+            robot: robot whose hand holds the handle.
             model: world model.
-            joint: believed joint of the door, in the base frame.
-            span: opening now and the wanted one, in [rad] or [m].
-            grip: (3,) middle of the bar in the frame of the hand, in [m].
+            joint: assumed hinge or slide of the door, in the base frame.
+            span: present and wanted opening, in [rad] if hinged, in [m] if sliding.
+            grip: (3,) middle of the handle's bar in the frame of the hand, in [m].
         """
 
     @override
@@ -109,7 +115,10 @@ class MoveDoor(ActionPrimitive):
         return model.of(Doors).doors.doors[self.door]
 
     def believed_joint(self, robot: Robot, model: ModelView) -> DoorJoint:
-        """Return the joint in the base frame, as it was measured or is believed."""
+        """Return the door's hinge or slide in the base frame.
+
+        It is the measured one if the robot has moved the door before, otherwise that in the file.
+        """
         door, state = self.known(model), model.of(Doors).state_of(self.door)
         if state is not None and state.motion != "undetermined":
             return measured_joint(robot, state, door.handle.height_m)
@@ -118,7 +127,7 @@ class MoveDoor(ActionPrimitive):
 
     @override
     def observe(self, robot: Robot, model: ModelView) -> Generator[None, None, Seen]:
-        """Measure where the handle is, in the base frame; empty if it isn't seen."""
+        """Measure the position of the handle in the base frame, in [m]; empty if the handle is not seen."""
         if self.door not in model.of(Doors).doors.doors:
             return {}
         joint = self.believed_joint(robot, model)
@@ -181,18 +190,20 @@ class MoveDoor(ActionPrimitive):
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """Play the motion backwards: the handle is brought back before the fingers open."""
+        """Play the motion backwards, which brings the door back before the fingers open."""
         self._held = False
         yield from retrace(robot, start, trace)
         if self._states_before is not None:
             model.of(Doors).door_states = self._states_before
 
     def prior(self, joint: DoorJoint, span: tuple[float, float]) -> PathPrior:
-        """Return the believed path of the handle from where it is, in the base frame.
+        """Return the expected direction and curvature of the handle's path, with their uncertainty.
+
+        The path begins at the handle's present position; directions are in the base frame.
 
         Args:
-            joint: believed joint of the door, in the base frame.
-            span: opening now and the wanted one, in [rad] or [m].
+            joint: assumed hinge or slide of the door, in the base frame.
+            span: present and wanted opening, in [rad] if hinged, in [m] if sliding.
         """
         opens = 1.0 if span[1] > span[0] else -1.0
         heading = joint.heading(span[0]) + (0.0 if opens > 0.0 else math.pi)
@@ -282,11 +293,12 @@ class MoveDoor(ActionPrimitive):
         """Move the held handle along its path; record force, travel and hinge as findings.
 
         Args:
-            robot: its hand holds the handle.
-            joint: believed joint of the door, in the base frame.
-            span: opening now and the wanted one, in [rad] or [m].
-            grip: (3,) middle of the bar in the frame of the hand, in [m].
-            is_there: returns whether the handle is far enough, given the path so far and the bar (3,).
+            robot: robot whose hand holds the handle.
+            joint: assumed hinge or slide of the door, in the base frame.
+            span: present and wanted opening, in [rad] if hinged, in [m] if sliding.
+            grip: (3,) middle of the handle's bar in the frame of the hand, in [m].
+            is_there: function that returns whether the handle has moved far enough, given the measured path
+                and the middle (3,) of the bar in the base frame.
 
         Raises:
             Discrepancy: the arm does not get far enough.

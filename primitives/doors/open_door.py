@@ -27,9 +27,9 @@ from .pulling import MAX_PULL_N, Pull, PullEnding
 class OpenDoor(MoveDoor):
     """Take the handle of a door or drawer and open it; the hand finds out on the way how it moves.
 
-    The tags on the front show where the handle is. The hand moves along the arc or line that fits the
-    measured path so far, yields to the force across it, and stops at a resistance. The path has to be as
-    long as wanted; a last look shows that the door stays where the hand let it go.
+    The handle is located by tags on the front. The hand moves along the arc or line that fits the path
+    measured so far, yields to forces across it, and stops at a resistance. The door must then be open as far
+    as demanded, and a picture in the end must show that it stays where the hand let it go.
     """
 
     angle_deg: Annotated[float, Field(gt=0.0, le=120.0)] = 25.0
@@ -53,7 +53,7 @@ class OpenDoor(MoveDoor):
         return begin, begin + self.wanted(joint)
 
     def wanted(self, joint: DoorJoint) -> float:
-        """Return the asked angle or way, in [rad] or [m], by how a joint moves."""
+        """Return by how much the door has to be opened, in [rad] if `joint` is a hinge, otherwise in [m]."""
         return self.travel_mm / 1e3 if joint.hinge is None else math.radians(self.angle_deg)
 
     @override

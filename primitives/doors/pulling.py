@@ -50,7 +50,7 @@ class PullEnding(Enum):
 
 
 class Pull(NamedTuple):
-    """A path that a handle was moved along."""
+    """Result of moving a handle, with its measured path, the largest force, and why the motion ended."""
 
     path: PathFit
     ending: PullEnding
@@ -64,14 +64,14 @@ def measured_bar(robot: Robot, grip: FloatArray) -> FloatArray:
     """Return the middle (3,) of a held handle's bar in the base frame, by the measured joints, in [m].
 
     Args:
-        robot: its hand holds the handle.
+        robot: robot whose hand holds the handle.
         grip: (3,) middle of the bar in the frame of the hand, in [m].
     """
     return np.asarray((robot.base_T("hand") @ np.append(grip, 1.0))[:3])
 
 
 def measured_bias(robot: Robot) -> Generator[None, None, FloatArray]:
-    """Return the force (3,) on an empty hand at rest, in the base frame, in [N]."""
+    """Return the force (3,) that the sensor reports for an empty hand at rest, in the base frame, in [N]."""
     yield from settle(robot)
     forces: list[FloatArray] = []
     for _ in range(BIAS_PERIODS):
@@ -84,7 +84,7 @@ def yield_to_force(robot: Robot, bias: FloatArray) -> Generator[None, None, None
     """Let a hand that has just closed on a handle give way to the force on it.
 
     Args:
-        robot: its hand holds a handle.
+        robot: robot whose hand holds a handle.
         bias: (3,) force on the empty hand, in the base frame, in [N]; see `measured_bias`.
     """
     yield from relax(robot)
@@ -102,17 +102,18 @@ def pull(
     is_there: Callable[[PathFit, FloatArray], bool],
     bias: FloatArray,
 ) -> Generator[None, None, Pull]:
-    """Move a held handle along its path until it is far enough, or resists.
+    """Move a held handle along its path until it has moved far enough, resists, or is out of the arm's reach.
 
-    The hand goes along the tangent of the path that fits all measured points so far, and yields to the force
-    across it. It turns as the path does.
+    The hand moves along the tangent of the path that fits all points measured so far, yields to forces across
+    it, and turns with it.
 
     Args:
-        robot: its hand holds a handle.
-        grip: (3,) middle of the bar in the frame of the hand, in [m].
-        prior: believed path, in the base frame.
-        is_there: returns whether the handle is far enough, given the path so far and the bar (3,).
-        bias: (3,) force on the hand without a handle, in the base frame, in [N].
+        robot: robot whose hand holds a handle.
+        grip: (3,) middle of the handle's bar in the frame of the hand, in [m].
+        prior: path expected before it is measured, in the base frame.
+        is_there: function that returns whether the handle has moved far enough, given the measured path and
+            the middle (3,) of the bar in the base frame.
+        bias: (3,) force on the empty hand, in the base frame, in [N]; see `measured_bias`.
     """
     moved = BaseDrift(robot)
     yield from moved.begin()

@@ -11,7 +11,10 @@ MARGIN_N = 13.0  # below the largest force: a door in motion resists, and then j
 
 
 class Stiffness:
-    """Stiffness of an arm that pulls a handle, by the steps of its command and the force after each."""
+    """Estimator of the stiffness of an arm that pulls a handle, which limits the steps of the arm's command.
+
+    The stiffness is the increase of the force per length of a step.
+    """
 
     def __init__(self, most: float, sudden: float) -> None:
         """Prepare for a pull with forces below `most` in [N], and below `sudden` in [N] if the handle stops
@@ -27,7 +30,7 @@ class Stiffness:
 
         Args:
             step: last step of the command along the path, in [m].
-            resistance: resistance after it, in [N].
+            resistance: force against the motion after this step, in [N].
         """
         before, self._before = self._before, resistance
         found = 0.0
@@ -50,5 +53,5 @@ class Stiffness:
         return SHARE * (self._most - resistance) / self._now
 
     def sudden_step(self) -> float:
-        """Return the longest step in [m] whose force stays allowed if the handle stops within it."""
+        """Return the longest step, in [m], that causes no more than the allowed force if the handle stops."""
         return (self._sudden - MARGIN_N) / self._first

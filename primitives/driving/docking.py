@@ -31,14 +31,15 @@ NOT_DETERMINED = "not determined"  # the check that found a pose to be uncertain
 
 
 def dock(robot: Robot, name: str, place: Place, need: PoseNeed, report: Callable[..., None]) -> Periods:
-    """Correct the pose by the front until the base is square in front of it.
+    """Drive the base to its pose square in front of an object, by measuring the object's straight front.
 
     Args:
         robot: the robot, near the place.
         name: name of the place in messages.
         place: a place in front of an object with a straight front.
         need: required accuracy of the pose.
-        report: receives the metric `dock_mm` of each measurement.
+        report: function that receives the metric `dock_mm` of each measurement, the distance of the base from
+            its place in [mm].
 
     Raises:
         Discrepancy: the front is not seen, does not determine the pose, or the base does not come to
@@ -77,7 +78,7 @@ def dock(robot: Robot, name: str, place: Place, need: PoseNeed, report: Callable
 
 
 def check_front(front: FrontLine, name: str, need: PoseNeed) -> None:
-    """Raise `Discrepancy` if a measured front does not determine the base's pose before it well enough.
+    """Raise `Discrepancy` if the measured front of an object does not determine the base's pose well enough.
 
     Args:
         front: measured front.

@@ -40,8 +40,14 @@ OBSTACLE_MEMORY_RADIUS_M = 2.5  # around an obstacle in a car's way, in which re
 def plan_drive(robot: Robot, model: ModelView, goal: Place, cells: bool = True) -> Way:
     """Plan a route to a place on the reduced generalized Voronoi graph, with the footprint of arm and load.
 
-    It avoids everything on the map and all sensed points; with `cells` also the recently sensed cells, which
-    later lidar beams may clear. If no route is found, the result holds the reason.
+    The route avoids everything on the map, and the world model's sensed obstacles and bumps. If no route is
+    found, the result holds the reason.
+
+    Args:
+        robot: the robot, whose current pose is the start.
+        model: the world model.
+        goal: the place.
+        cells: True to avoid map cells in which the lidar has recently seen something, too.
     """
     grid = map_with_cells(model) if cells else model.map
     ways = Ways(grid, robot.spec.footprint_shape, robot.pose, avoided_points(robot, model))
@@ -49,7 +55,7 @@ def plan_drive(robot: Robot, model: ModelView, goal: Place, cells: bool = True) 
 
 
 def map_with_cells(model: ModelView) -> GridMap:
-    """Return the map with the cells in which something was sensed lately that it does not show."""
+    """Return the map, with cells occupied in which the lidar has recently seen something unmapped."""
     if not len(model.sensed_cells):
         return model.map
     layer = ScanLayer(model.map)
@@ -58,7 +64,7 @@ def map_with_cells(model: ModelView) -> GridMap:
 
 
 def no_way(name: str, way: Way) -> Discrepancy:
-    """Return the permanent Discrepancy that no route leads to a place, with its reason.
+    """Return a `Discrepancy` with the reason why no route leads to a place; a new attempt would not help.
 
     Args:
         name: name of the place.
@@ -71,11 +77,11 @@ def no_way(name: str, way: Way) -> Discrepancy:
 
 
 def held_before(place: str, held: HoldingObstacle) -> Discrepancy:
-    """Return the Discrepancy that the guard holds the base on its way to a place.
+    """Return a `Discrepancy` because an obstacle holds up the base on its way to a place.
 
     Args:
         place: name of the place.
-        held: obstacle for which the guard holds the base.
+        held: obstacle before which the guard, which prevents collisions, has stopped the base.
     """
     shown = (
         "ground that the lidar does not see"
@@ -148,7 +154,7 @@ def goal_pose(model: ModelView, place: str) -> Pose2:
 
 
 def make_monitor(robot: Robot, model: ModelView) -> ObstacleMonitor | FieldObstacleMonitor:
-    """Return the obstacle monitor for this robot."""
+    """Return the monitor of the route for obstacles, which depends on the robot's kind of base."""
     if robot.spec.drive.kind == "ackermann":
         return FieldObstacleMonitor(robot.spec.footprint_radius_m)
     return ObstacleMonitor(model.map, robot.spec.footprint_shape.inscribed)
@@ -164,8 +170,8 @@ class FieldObstacleMonitor:
     def unexpected(self, robot: Robot) -> FloatArray:
         """Return the points (n, 2) of this period's scan that may be obstacles, in the field's frame, in [m].
 
-        Excluded are points of the robot's own lowered hand, and points that may be the ground: those are left
-        to the guard of the base, which acts once they are near.
+        Excluded are points of the robot's own lowered hand, and points that may be the ground. If the latter
+        are obstacles, the guard of the base stops it once they are near.
         """
         points = robot.without_hand(robot.range_sensor.scan().points())
         if robot.spec.localizer in OUTDOOR_LOCALIZERS:
@@ -213,15 +219,18 @@ class ObstacleMonitor:
         return unexpected_points(points, self._field, MAP_MATCH_TOLERANCE_M)
 
     def kept(self, sensed: FloatArray, blocking: FloatArray) -> FloatArray:
-        """Return the points to remember, in [m]: all points `sensed` (n, 2), wherever the blocking point
-        `blocking` (2,) is.
+        """Return the sensed points to remember as obstacles, which are all of them.
+
+        Args:
+            sensed: (n, 2) points that the map does not explain, in [m].
+            blocking: (2,) point that blocks the route, in [m]; not used.
         """
         return sensed
 
     def around(self, robot: Robot, blocking: FloatArray) -> FloatArray:
         """Return (n, 2) points of this period's scan around a point (2,) that the base would touch, in [m].
 
-        Obstacles close to a mapped wall are distinguished from it by lying a cell in front of it.
+        Points within a cell of a mapped wall are taken for the wall, and left out.
         """
         points = robot.pose.apply(robot.surroundings())
         near = points[np.hypot(*(points - blocking).T) < BESIDE_IT]

@@ -25,18 +25,21 @@ HOPELESS_RATIO = 3.0  # of what the place needs: what no map shows, and good whe
 def check_will_be_determined(
     robot: Robot, grid: GridMap, name: str, place: Place, need: PoseNeed, route: FloatArray
 ) -> Generator[None, None, None]:
-    """Raise `Discrepancy` if map and lidar will by far not determine the pose at the end of a long route.
+    """Check before a long drive that localization at the route's end will not be far too uncertain.
 
-    The localizer runs along the route on scans that are simulated with the map, as in `handcart check`. Short
-    routes are not checked.
+    The localizer is simulated along the route, with scans computed from the map, as in `handcart check`.
+    Short routes are not checked.
 
     Args:
-        robot: at rest at the route's start.
+        robot: the robot, at rest at the route's start.
         grid: the map.
         name: name of the place.
         place: place at the route's end; one whose front is measured does not need the map.
         need: required accuracy of the pose there.
         route: (n, 2) on the map, in [m].
+
+    Raises:
+        Discrepancy: map and lidar will not determine the pose there, by far.
     """
     length = float(np.hypot(*np.diff(route, axis=0).T).sum())
     if length < LONG_DRIVE_M or place.docks or robot.spec.localizer != "scan" or not grid.occupied.any():

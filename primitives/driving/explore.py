@@ -46,13 +46,13 @@ TRIED_AGAIN = (causes.BLOCKED, causes.NO_ROUTE, causes.OFF_GOAL, causes.UNDETERM
 
 
 class Explore(ActionPrimitive):
-    """Draw a map: drive to the frontiers of the known ground until none is left that the robot could cross.
+    """Draw a map by driving to frontiers, where known ground borders on unknown, until none is left to cross.
 
-    The map begins empty (`map: none`), or with the given one. Scans and wheels make it, as `handcart map`
-    does: chain of keyframes, loop closures, pose graph. Success means that the map has no reachable frontier
-    larger than the robot; the findings say how much of the border stays unknown, and why. The map is saved
-    in the run's folder. After a Fail the base is back at its start, by a scan there; the map so far is saved
-    too.
+    The map begins empty (`map: none`), or as the given one. It is made from scans and wheel odometry by a
+    pose graph with keyframes and loop closures, as by `handcart map`. Success means that the map has no
+    reachable frontier larger than the robot; the findings state how much of the border stays unknown, and
+    why. The map is saved in the run's folder, also after a Fail. After a Fail the base is back at its start,
+    checked by a scan.
     """
 
     radius_m: Annotated[float, Field(gt=0.0, le=1000.0)] = 100.0
@@ -101,7 +101,7 @@ class Explore(ActionPrimitive):
         yield from self._finish(robot, model)
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Compare a scan at rest with the map; look once more whether a frontier is left."""
+        """Return whether a scan at rest agrees with the map, and no frontier is left to explore."""
         assert self._scans is not None and self._look is not None and self._last is not None
         yield
         points = self._scans.look().hits
@@ -111,7 +111,11 @@ class Explore(ActionPrimitive):
         return share >= MIN_EXPLAINED and self._last.target is None
 
     def watch(self, robot: Robot, model: ModelView) -> None:
-        """Take in the scan; raise `NeedsPerson` if the lidar is covered, or the base is lost."""
+        """Collect the scan of this period for the map.
+
+        Raises:
+            NeedsPerson: the lidar is covered, or the robot's pose is lost.
+        """
         self._lidar_watch.watch(robot, None)
         lost = robot.localization.lost
         if lost is not None:

@@ -15,7 +15,9 @@ BLUE, GREEN, RED = (178, 114, 0), (115, 158, 0), (0, 94, 213)  # BGR of Okabe an
 
 
 def explored_picture(grid: GridMap, built: BuiltMap, border: Border | None) -> ByteArray:
-    """Return a picture (h, w, 3), BGR: trajectory blue, loop closures green, frontiers that stay red.
+    """Return a picture (h, w, 3) of a map in BGR, with trajectory, loop closures and remaining frontiers.
+
+    The trajectory is blue, loop closures are green, and frontiers red.
 
     Args:
         grid: the map.

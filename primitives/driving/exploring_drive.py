@@ -22,7 +22,7 @@ START_NAME = "the start"
 
 
 class ExploringDrive:
-    """A drive to a place on a map that is not the world model's."""
+    """One drive of EXPLORE to a pose on the map drawn so far, which the world model does not have."""
 
     def __init__(self, model: ModelView, grid: GridMap, goal: Pose2, wait_s: float, name: str) -> None:
         """Create a drive; nothing is planned yet.
@@ -54,10 +54,10 @@ class ExploringDrive:
         self._view = inner.view(declares)
 
     def periods(self, robot: Robot) -> Periods:
-        """Drive there, one period at a time.
+        """Drive to the goal, one period at a time.
 
         Raises:
-            Discrepancy: no way leads there, or the base does not get on.
+            Discrepancy: no route leads to the goal, or the base does not get on.
         """
         periods = self._move.motion(robot, self._view)
         is_first = True
