@@ -77,6 +77,11 @@ class ExploringDrive:
 
 
 def looking_at(view: tuple[float, float], point: tuple[float, float]) -> Pose2:
-    """Return map_T_base at a place (x, y) with the heading towards a point (x, y), both on the map in [m]."""
+    """Return the pose map_T_base at the position `view` whose heading is towards `point`.
+
+    Args:
+        view: x and y of the base on the map, in [m].
+        point: x and y of the point to look at on the map, in [m].
+    """
     x, y = np.subtract(point, view).tolist()
     return Pose2(*view, math.atan2(y, x))

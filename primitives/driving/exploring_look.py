@@ -44,12 +44,12 @@ class FrontierGoal(NamedTuple):
     """x and y of the middle of the frontier on the growing map, in [m]."""
 
     def is_same(self, other: FrontierGoal) -> bool:
-        """Return whether both are about the same frontier."""
+        """Return whether the frontiers' middles are so close that they are one frontier."""
         return math.dist(self.middle, other.middle) < SAME_M
 
 
 class FrontierLook(NamedTuple):
-    """Result of drawing the map so far, with the next frontier."""
+    """Map drawn so far, with its border to unknown ground and the next frontier to explore."""
 
     grid: GridMap
     field: LikelihoodField
@@ -62,7 +62,7 @@ class FrontierLook(NamedTuple):
 
 
 class ExploringLook:
-    """Chooser of frontiers, which remembers the ones that are left and the reasons."""
+    """Choice of the next frontier to explore, without frontiers that were given up for a reason."""
 
     def __init__(self, robot: Robot, grown: GrowingMap, radius_m: float) -> None:
         """Begin at a robot's start, on a map that grows; frontiers beyond `radius_m` from the start are
@@ -74,8 +74,11 @@ class ExploringLook:
         self._postponed = list[tuple[float, float]]()
 
     def leave(self, point: tuple[float, float], reason: str) -> None:
-        """Explore the border around a point (x, y) on the map, in [m], no further; `reason` is a key of
-        `LEFT_WORDS`.
+        """Give up exploring the border around a point.
+
+        Args:
+            point: x and y on the map, in [m].
+            reason: reason, a key of `LEFT_WORDS`.
         """
         self._left.append((*point, reason))
 
@@ -87,8 +90,8 @@ class ExploringLook:
         """Draw the map so far, and return it with the next frontier.
 
         Args:
-            here: map_T_base.
-            current: frontier that the base drives to, which is preferred; None without one.
+            here: current pose of the base, map_T_base.
+            current: frontier that the base drives to now, which is preferred; None if there is none.
         """
         if self._map.is_search_due:
             self._map.search()
@@ -102,7 +105,13 @@ class ExploringLook:
         return FrontierLook(grid, field, covariance, border, target, self._facts(border))
 
     def draw(self, resolution: float = PLANNING_CELL_M) -> GridMap:
-        """Draw the map with cells of a size in [m], free where the base was and between beams."""
+        """Return the map drawn so far.
+
+        Cells are free along lidar beams, in narrow gaps between beams, and where the base was.
+
+        Args:
+            resolution: side of a cell, in [m].
+        """
         drawn = with_gaps_closed(self._map.grid(resolution))
         return with_driven(drawn, self._map.poses, self._shape.inscribed)
 

@@ -42,12 +42,12 @@ def drive_to_start(
     Args:
         robot: the robot.
         model: world model.
-        start: snapshot at the start.
-        scans: collector with the growing map.
-        look: draws this map.
+        start: snapshot of the robot at the start.
+        scans: collector of scans, with the growing map.
+        look: choice of frontiers, which draws the map.
 
     Raises:
-        Discrepancy: no way leads back, or the scan does not fit those of the start.
+        Discrepancy: no route leads back, or the scan does not match those of the start.
     """
     first = scans.map.poses[0]
     found = yield from robot.compute(look.take, scans.pose, None)

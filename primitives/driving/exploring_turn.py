@@ -17,10 +17,10 @@ LEAST_RAD = 0.02  # of a turn in that time
 
 
 def turn_by(robot: Robot, angle: float) -> Generator[None, None, bool]:
-    """Turn by an angle in [rad], positive to the left.
+    """Turn the base on the spot by an angle in [rad], positive to the left.
 
     Returns:
-        True if the base has turned by all of it; False if it was held back, or took too long.
+        True if the base has turned by the full angle; False if it was held back or took too long.
     """
     here = np.array([[robot.pose.x, robot.pose.y]])
     tracker = make_tracker(here, robot.pose.theta + angle, robot.drive_limits, tolerance=TURN_TOLERANCE)

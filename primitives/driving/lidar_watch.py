@@ -27,7 +27,7 @@ SAME_WALL_M = 0.15  # of an echo from where the map has the wall
 
 
 class LidarWatch:
-    """Monitor of a drive's lidar for covered, dirty or missing beams; called once a period."""
+    """Monitor that detects a covered, dirty or failed lidar during a drive; called once a period."""
 
     def __init__(self) -> None:
         self._blind_since: float | None = None
@@ -37,11 +37,14 @@ class LidarWatch:
         self._seen = np.empty(0, dtype=np.int64)
 
     def watch(self, robot: Robot, grid: GridMap | None) -> None:
-        """Raise `NeedsPerson` if the lidar repeats its scan, or has shown next to nothing for a while.
+        """Check the lidar in this period.
 
         Args:
-            robot: whose lidar it is.
-            grid: the map, if there is one: its walls must return echoes.
+            robot: robot with the lidar.
+            grid: the map, whose walls must return echoes; None: not compared.
+
+        Raises:
+            NeedsPerson: the lidar is covered, repeats its last scan, or shows too few of the map's walls.
         """
         lidar = robot.lidar
         if lidar is None:

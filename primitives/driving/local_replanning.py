@@ -52,7 +52,7 @@ NEARER_FACTOR = 3.0  # of the time that the rest takes at top speed, if that is 
 
 
 class LocalReplanning:
-    """Obstacles that one drive senses and the map lacks, and the route around them."""
+    """Replanning of the route during one drive, around people and obstacles that the map does not show."""
 
     def __init__(self, robot: Robot, model: ModelView, name: str, place: Place | None = None) -> None:
         """Begin a drive to the place `name`, or to `place` on the way, with what earlier drives sensed."""
@@ -84,7 +84,7 @@ class LocalReplanning:
 
     @property
     def holds(self) -> bool:
-        """True if the base holds: no way leads on, or a person has to pass first."""
+        """True if the base has to hold, because no route leads on or a person has to pass first."""
         return self.blocked_since is not None or self.speed_limit <= 0.0
 
     @property
@@ -103,7 +103,7 @@ class LocalReplanning:
         return self._near.layer
 
     def sense(self, robot: Robot) -> None:
-        """Add this period's scan to the sensed obstacles; with the pose in doubt, only look for people."""
+        """Add this period's scan to the sensed obstacles; only look for people while the pose is in doubt."""
         self._near.follow(robot.pose)
         scan = robot.range_sensor.scan()
         map_T_sensor = robot.pose.compose(scan.base_T_sensor)
@@ -126,10 +126,10 @@ class LocalReplanning:
         self._model.sensed_cells = self.people.without_people(self._near.cells())
 
     def plan(self, robot: Robot) -> Generator[None, None, RouteLook]:
-        """Return a route from where the base is; in the meantime it holds.
+        """Plan a route from the base's pose to the drive's goal; the base holds until it is found.
 
         Raises:
-            Discrepancy: no way leads to the place.
+            Discrepancy: no route leads to the place.
         """
         self.sense(robot)
         if self._near.is_whole:
@@ -154,7 +154,7 @@ class LocalReplanning:
             raise no_way(self._name, lasting)
 
     def update(self, robot: Robot, tracker: PathTracker) -> None:
-        """Check once a period whether the route is still free and short, and replace it if not."""
+        """Replace the route if it is blocked, or if another one is shorter; called once a period."""
         self.speed_limit = self.people.limit(robot, tracker)
         self._note_progress(robot, tracker)
         if self._job is not None:
@@ -261,15 +261,15 @@ class LocalReplanning:
                 self._layer.add(np.array([[robot.held.x, robot.held.y]]), robot.time)
 
     def pinned(self, robot: Robot) -> bool:
-        """Return whether the guard has held the base at one place, so that it should back off."""
+        """Return whether the base should back off, because the guard has stopped it here for too long."""
         pinned = self._held_for > PINNED_S and self.waits_since is None
         return pinned and self._backed_off < BACK_OFF_MAX_TRIES
 
     def back_off(self, robot: Robot, tracker: PathTracker) -> Generator[None, None, None]:
-        """Drive straight away from what holds the base, as far as that is free, and plan again.
+        """Drive straight away from the obstacle before which the base was stopped, and plan again.
 
-        A disc backs off against its direction of travel; a polygon leaves from what is at one of its ends,
-        the other way if that did not work the last time.
+        A base with a circular footprint drives against its last direction. One with a polygon drives away
+        from the end at which the obstacle is, or the other way if that failed the last time.
         """
         self._backed_off += 1
         held = robot.held
@@ -303,13 +303,13 @@ class LocalReplanning:
         return sign
 
     def command(self, robot: Robot, tracker: PathTracker) -> tuple[float, ...]:
-        """Return the speeds of the base along the route, or those that hold it."""
+        """Return the base's speed command along the route, or the one with which it holds."""
         if self.holds:
             return tracker.hold(robot.pose, robot.period)
         return tracker.command(robot.pose, robot.period, self.speed_limit)
 
     def way_back_blocked(self, robot: Robot, ahead: FloatArray) -> bool:
-        """Return whether something stands on the first `HOLD_DISTANCE_M` of the recorded way back.
+        """Return whether an obstacle is on the first `HOLD_DISTANCE_M` of the recorded route back.
 
         Args:
             robot: the robot.
@@ -322,11 +322,10 @@ class LocalReplanning:
         return free_length(self._layer.merged(), ahead[near], least)[1] is not None
 
     def drive_back(self, robot: Robot, goal: Pose2, wait_s: float) -> Generator[None, None, None]:
-        """Drive to map_T_base of the start by the way that is free now.
+        """Drive back to the start pose `goal`, map_T_base, by a route that is free now.
 
         Raises:
-            Discrepancy: no way leads there at first, or later for `wait_s` [s]; people get more time to
-                leave.
+            Discrepancy: no route leads there now, or later for `wait_s` [s]; people get more time to leave.
         """
         self._goal, self._front, self._job, self.blocked_since = goal, None, None, None
         self._nearest, self._nearer_at = np.inf, robot.time

@@ -56,13 +56,13 @@ NAMED_HYPOTHESES = 4
 class Locate(ActionPrimitive):
     """Find the pose of the base on the map, by scans alone.
 
-    The first scan is compared with the whole map. While several places explain all scans, the base drives a
-    short way over ground that the lidar has seen to be free, to where these places would look different, and
-    looks again. Success means that one place explains the scans, and that all others are refuted: the scans
-    are a million times as likely from it as from any other. Where the map looks alike from several places,
-    the base drives back and the outcome is Fail, with these places named.
+    The first scan is compared with the complete map. As long as several places on the map explain all scans,
+    the base drives a short way over ground that the lidar has seen to be free. It goes to where scans from
+    these places would differ, and takes another scan. Success means that from one place the scans are a
+    million times as likely as from any other. If the map looks alike from several places, the base drives
+    back, and the outcome is Fail with these places named.
 
-    Nothing moves if the pose is known and the scan does not refute it.
+    If the pose is known and agrees with the scan, nothing moves.
     """
 
     longest_m: Annotated[float, Field(gt=0.0, le=200.0)] = 25.0
@@ -114,7 +114,7 @@ class Locate(ActionPrimitive):
             yield from self._look(robot, hypotheses)
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Match one more scan at rest at the pose that was found; the localizer then takes it over."""
+        """Return whether one more scan at rest confirms the found pose; if so, set the localizer to it."""
         if self._match is None:
             return True
         yield
@@ -130,7 +130,11 @@ class Locate(ActionPrimitive):
         return True
 
     def watch(self, robot: Robot, model: ModelView) -> None:
-        """Raise `NeedsPerson` if the lidar is covered, or the base does not know any more where it drove."""
+        """Check the lidar and the odometry in this period.
+
+        Raises:
+            NeedsPerson: the lidar is covered, or odometry has lost the route that the base has driven.
+        """
         self._lidar_watch.watch(robot, None)
         lost = robot.localization.lost
         if lost is not None and not robot.localization.is_located:

@@ -9,8 +9,9 @@ LAST_SIGMA, LAST_WAY = 0.002, 0.5  # [m] the same on the last stretch, and how l
 
 
 class LooksAtRest:
-    """Decision when a base stops for scans at rest, because its wheels are worse than the robot's file
-    says.
+    """Decision when a base stops during a drive to correct its pose by scans at rest.
+
+    It has to stop if its wheel odometry is less accurate than the robot's file states.
     """
 
     def __init__(self, localization: Localization) -> None:
@@ -19,8 +20,10 @@ class LooksAtRest:
         self._due = False
 
     def due(self, remaining: float) -> bool:
-        """Return whether the base should stop; `remaining` is the distance ahead, in [m]. Call once a
-        period.
+        """Return whether the base should stop for a scan now; called once a period.
+
+        Args:
+            remaining: distance to the end of the drive, in [m].
         """
         added = self._localization.added_sigma
         limit = LAST_SIGMA if remaining < LAST_WAY else REST_SIGMA

@@ -72,9 +72,9 @@ class MoveTo(ActionPrimitive):
     front.
 
     Odometry is corrected by comparing scans with the map. A car drives arcs and straight lines past the
-    rocks of its field, with its outdoor localization. MOVE_TO drives around obstacles that no map shows while
-    a way exists. Without one, and always with `detour: false`, it waits; if the obstacle stays, the outcome
-    is Fail, and what was sensed is kept.
+    rocks of its field, with its outdoor localization. MOVE_TO drives around unmapped obstacles as long as a
+    route exists. Without a route, and always with `detour: false`, it waits; if the obstacle stays, the
+    outcome is Fail, and the sensed obstacles are kept in the world model.
     """
 
     place: PlaceName
@@ -111,8 +111,9 @@ class MoveTo(ActionPrimitive):
         return not self.together
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return a message if the arm should move along and the robot has none, or the place gives it no
-        motion.
+        """Return a message if the arm should move during the drive, but cannot; empty otherwise.
+
+        The robot may have no arm with a gripper, or no arm motion may be known for the place.
         """
         if not self.together:
             return ""
@@ -151,7 +152,11 @@ class MoveTo(ActionPrimitive):
             model.detour = None
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Check that the base is at the place within its tolerance, along every direction."""
+        """Check that the base is at the place within its tolerance, given the uncertainty of its pose.
+
+        Raises:
+            Discrepancy: the sensors do not determine the pose well enough.
+        """
         check_determined(robot, self.place, *self._place_and_need(robot, model))
         return True
         yield
@@ -358,13 +363,13 @@ class MoveTo(ActionPrimitive):
         return "the way back" if self._restores else f"the path to {self.place}"
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
-        """Return the contacts of the arm's motion during the drive; the drive itself has none."""
+        """Return the intended contacts of the arm that moves during the drive; the base intends none."""
         return model.contacts_on_the_way(self.place) if self.together else ()
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """Drive back the way the base came; wait for obstacles that are there now.
+        """Drive back along the recorded route; wait for obstacles that are on it now.
 
-        If they stay, and the arm has not moved along, drive by another way where one is free.
+        If they stay, and the arm did not move during the drive, take another route that is free.
         """
         self._blocked_since, self._restores = None, True
         if self._local is not None:

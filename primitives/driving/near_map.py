@@ -20,8 +20,8 @@ BEYOND_REACH_M = 1.0  # of the lidar, that the window reaches
 class NearMap:
     """Map around the base, with distances to its obstacles and with the sensed cells that it does not show.
 
-    Of a large map, only a window that moves with the base is held. Sensed cells outside the window are kept,
-    and are used again when the window comes back.
+    Of a large map, only a window that moves with the base is used. Sensed cells outside the window are
+    stored, and used again when the window comes back.
     """
 
     def __init__(self, grid: GridMap, sensed: FloatArray, reach: float, pose: Pose2) -> None:

@@ -19,10 +19,10 @@ STOPPING_SPEED_M_S = 0.05  # below which the base is let stop
 
 
 class Orient(ActionPrimitive):
-    """Drive straight ahead until fixes determine an unknown heading.
+    """Drive straight ahead until position fixes, such as GPS, determine an unknown heading.
 
-    Nothing moves if the heading is known. The lidar keeps the base off obstacles; after a Fail the base
-    has driven back the way it came.
+    Nothing moves if the heading is known. The lidar keeps the base off obstacles. After a Fail the base has
+    driven back along its route.
     """
 
     longest_m: Annotated[float, Field(gt=0.0, le=200.0)] = 30.0

@@ -27,7 +27,7 @@ NEAR_PERSON_M = 0.3  # from a person's body, within which what was sensed is the
 
 
 class BeamOrder(NamedTuple):
-    """Order of a scan's beams by rising angle, with evenly spaced angles."""
+    """Indices that sort a scan's beams by angle, and their angles, made evenly spaced."""
 
     order: IntArray
     angles: FloatArray
@@ -35,7 +35,7 @@ class BeamOrder(NamedTuple):
 
 
 class PeopleWatch:
-    """Tracker of people during one drive; before the first scan the base keeps no distance to people."""
+    """Tracking of people during one drive, and decisions on slowing down and planning around them."""
 
     def __init__(self, robot: Robot) -> None:
         """Begin before any person is seen."""
@@ -51,17 +51,17 @@ class PeopleWatch:
         """Time since which the base waits for a person, in [s]; None while it does not."""
 
     def take(self, robot: Robot, scan: Scan, ranges: FloatArray, explained: BoolArray) -> TrackedScan:
-        """Track the people in a scan, and let the base keep off them in this period.
+        """Track the people in a scan, and let the base keep its distance from them in this period.
 
         Args:
-            robot: whose lidar it is.
+            robot: robot with the lidar.
             scan: scan of this period.
             ranges: (n,) measured ranges in [m], in the order of the scan; NaN for blind beams.
             explained: (n,) True for beams that end at obstacles on the map.
 
         Returns:
             Mask (n,) of the beams that end at moving people, and discs (k, 3) that these people have left: x,
-                y and radius on the map, in [m]. Nobody for a second call in a period.
+                y and radius on the map, in [m]. Both are empty for a second call in a period.
         """
         moving = np.zeros(len(ranges), dtype=np.bool_)
         if robot.time <= self._taken_at or len(ranges) < 3:
@@ -109,7 +109,7 @@ class PeopleWatch:
     def limit(self, robot: Robot, tracker: PathTracker) -> float:
         """Return the speed along the tracker's route that yields to people, in [m/s]; 0 means to wait.
 
-        It is the top speed if nobody is near. Notes as well whether the base waits, as `note_waiting`.
+        It is the top speed if nobody is near. `waits_since` is updated as by `note_waiting`.
         """
         most, walking = robot.drive_limits.speed, self._walking
         if len(walking.radii):
@@ -120,11 +120,11 @@ class PeopleWatch:
     def note_waiting(self, robot: Robot, waits: bool) -> None:
         """Update `waits_since`, the time since which the base waits for a person; called once a period.
 
-        Short pauses between count as waiting.
+        Short interruptions of waiting count as waiting.
 
         Args:
             robot: the robot.
-            waits: True if it waits in this period.
+            waits: True if the base waits in this period.
         """
         if waits or robot.base.yields:
             self._waited_at = robot.time
@@ -136,7 +136,7 @@ class PeopleWatch:
                 self.waits_since = None
 
     def blocked(self, way: str, at: tuple[float, float]) -> Discrepancy:
-        """Return the Discrepancy that a person is on a route.
+        """Return a `Discrepancy`, because a person is on a route and does not leave.
 
         Args:
             way: name of the route in the message.
@@ -155,12 +155,13 @@ class PeopleWatch:
         )
 
     def drawn_on(self, grid: GridMap, pose: Pose2) -> GridMap:
-        """Return a map in which the people that a route must avoid are occupied, with this attempt's distance
-        to them; in the last attempt, the map as it is.
+        """Return a map for planning a route, in which people and some distance around them are occupied.
+
+        The distance depends on the attempt (see `try_less_room`); in the last attempt, the map is unchanged.
 
         Args:
             grid: the map.
-            pose: map_T_base.
+            pose: pose of the base, map_T_base.
         """
         if self.is_last_attempt:
             return grid
@@ -170,15 +171,15 @@ class PeopleWatch:
 
     @property
     def is_last_attempt(self) -> bool:
-        """True if routes are planned as if there were no people: none seen, or no route around them."""
+        """True if routes are planned without regard to people, as none is seen or no route avoids them."""
         return self._level > 1 or not len(self.people.radii)
 
     def try_less_room(self) -> None:
-        """Plan the next route with less distance to people; in the end as if they were not there."""
+        """Let the next route be planned with less distance to people; at the third attempt with none."""
         self._level += 1
 
     def try_all_room(self) -> None:
-        """Plan the next route with the stated distance to people."""
+        """Let the next route be planned with the full distance to people, as in the robot's file."""
         self._level = 0
 
     def is_person(self, x: float, y: float) -> bool:

@@ -22,17 +22,18 @@ def measure_place(
     drive: Callable[[Place], Periods],
     report: Callable[..., None],
 ) -> Periods:
-    """Stop before a place, measure the thing that it was computed for, and move the place with the thing.
+    """Measure the object to which a place belongs, from a stop before the place, and correct the place by it.
 
-    Nothing happens if the thing cannot have moved or was measured before, or if a detour was planned. A base
-    without room before the place, or nearer to the place, measures from where it is.
+    Nothing happens if the object cannot have moved or was measured before, or if a detour was planned. If
+    there is no room for the stop, or the base is nearer to the place already, it measures from its present
+    pose.
 
     Args:
         robot: the robot.
-        model: knows the place.
+        model: world model with the place.
         name: name of the place.
-        drive: drives to a place before the named one.
-        report: receives metrics of the measurement.
+        drive: function that drives to a place, used for the stop.
+        report: function that receives metrics of the measurement.
     """
     has_detour = model.detour is not None and model.detour.goal == name
     measuring = None if has_detour else model.measuring(robot, name, report)

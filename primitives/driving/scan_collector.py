@@ -25,7 +25,10 @@ STALE_TRAVEL_M = 0.3  # of the wheels, in which a lidar repeats its scan: it doe
 
 
 class ScanCollector:
-    """Collector of a drive's scans, which adds a keyframe to a map whenever the base has moved enough."""
+    """Collector of scans for a map that grows during a drive.
+
+    Whenever the base has moved or turned by a certain amount, the scan is added to the map as a keyframe.
+    """
 
     def __init__(self, robot: Robot, lidar: Lidar, known: GridMap | None) -> None:
         """Begin with the scan of a robot at rest, on a given map if there is one."""
@@ -50,12 +53,13 @@ class ScanCollector:
 
     @property
     def pose(self) -> Pose2:
-        """Pose map_T_base by the growing map, continued by the wheels."""
+        """Pose map_T_base, which is that at the last keyframe plus the wheel odometry since then."""
         return self.map.pose_of(self.odometry)
 
     def take(self, robot: Robot) -> None:
-        """Update the odometry by the wheels, and keep this period's scan as a keyframe if the base has moved
-        enough.
+        """Update the wheel odometry, and keep this period's scan as a keyframe if one is due.
+
+        A keyframe is due once the base has moved or turned by a certain amount since the last one.
 
         Raises:
             NeedsPerson: the lidar repeats its scan although the wheels roll.
@@ -83,7 +87,7 @@ class ScanCollector:
         self.flush()
 
     def flush(self) -> None:
-        """Add the keyframes that wait to the map, unless the map is in use."""
+        """Add the keyframes that wait to the map, unless another computation uses the map (`is_busy`)."""
         while self._waiting and not self.is_busy:
             self.map.add(self._waiting.pop(0))
 
@@ -94,11 +98,15 @@ class ScanCollector:
         self.flush()
 
     def found_at(self, pose: Pose2) -> None:
-        """Set the pose of the base to a measured start_T_base; the wheels continue it from there."""
+        """Set the pose of the base to a measured one; from then on, wheel odometry is added to it.
+
+        Args:
+            pose: measured pose of the base on the growing map, start_T_base.
+        """
         self.map.carry_on_from(self._keyframe(-1).odometry, pose)
 
     def look(self) -> Keyframe:
-        """Return this period's scan as a keyframe that is not added."""
+        """Return this period's scan as a keyframe, without adding it to the map."""
         return self._keyframe(-1)
 
     def _keyframe(self, number: int) -> Keyframe:

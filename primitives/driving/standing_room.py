@@ -24,7 +24,7 @@ MAX_START_INTRUSION_M = 0.3  # by which the base may be too near to something wh
 
 
 class StandingRoom:
-    """Free room around a work place for base and arm of one robot."""
+    """Check of whether base and arm of a robot have room at poses of the base around a work place."""
 
     def __init__(
         self,
@@ -57,7 +57,7 @@ class StandingRoom:
 
     @property
     def key(self) -> tuple[bytes, ...]:
-        """Key of the room; rooms with the same key give the same answers about one robot."""
+        """Digests of all data that the checks of one robot depend on; with equal keys, answers are equal."""
         posed = [(np.array(item.size), item.pose) for item in self._boxes]
         grid = self._grid
         frame = np.array([grid.resolution, grid.origin_x, grid.origin_y, self._radius])
@@ -71,7 +71,7 @@ class StandingRoom:
         return tuple(np.ascontiguousarray(item).tobytes() for item in known)
 
     def blocked(self, bases: FloatArray) -> BoolArray:
-        """Return a mask (b,), True for base poses without room, or without a route, by the map.
+        """Return a mask (b,), True for base poses without room on the map, or to which no route leads.
 
         Args:
             bases: (b, 3) map_T_base: x, y in [m], heading in [rad].
@@ -83,7 +83,9 @@ class StandingRoom:
         return no_way
 
     def free(self, base: FloatArray, angles: FloatArray) -> bool:
-        """Return whether robot and arm touch nothing from a base pose, at home and along a path of the arm.
+        """Return whether robot and arm touch nothing at a base pose.
+
+        This is checked with the arm in its posture `home`, and along a path of the arm.
 
         Args:
             base: (3,) map_T_base: x, y in [m], heading in [rad].

@@ -59,16 +59,18 @@ DRIVE_LIFT_M = 0.145  # that the fingers are lifted further before the base driv
 
 
 class Deploy(TreePrimitive):
-    """Lay a sensor on its target: the base is to the left of it (Ohki et al. 2012, section V-B).
+    """Lay a sensor on its target, with the base to the left of it (Ohki et al. 2012, section V-B).
 
-    The base stays at rest until the target's position is known well enough. The fingers close on the
-    sensor in the magazine. The arm goes through its middle state; then its tip moves on straight lines to
-    above the target by resolved rates, with roll and pitch of the base included, and is corrected by fixes
-    that arrive meanwhile. The sensor is lowered until it touches the ground and released in small steps,
-    which cannot be undone; if it leans on a finger, the hand gives way until it is upright by itself. The
-    fingers feel for its top; then the arm returns the same way. If arm and base move together, MOVE_TO has
-    already brought the sensor over the target, and the next MOVE_TO brings the arm back: here it is only
-    lifted, unless this was the last sensor.
+    The base stays at rest until the target's position is known well enough. The fingers take the sensor from
+    the magazine. The arm moves to its posture `middle`, and then its tip moves on straight lines to above the
+    target (resolved-rate control). Roll and pitch of the base are taken into account, and position fixes that
+    arrive meanwhile. The sensor is lowered until it touches the ground and released in small steps, which
+    cannot be undone. If the sensor leans on a finger, the hand moves until the sensor is upright by itself.
+    The fingers feel for the sensor's top; then the arm returns along the same path.
+
+    With `together`, arm and base move at the same time. The MOVE_TO before has then brought the sensor over
+    the target, and the next one brings the arm back. In the end the arm is only lifted, except for the last
+    sensor.
     """
 
     target: TargetName
@@ -96,8 +98,10 @@ class Deploy(TreePrimitive):
     _stands: bool | None = PrivateAttr(default=None)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return why the sensor can't be laid: its target is unknown, served or out of reach, or the hand or
-        the arm is not ready to take it.
+        """Return why the sensor cannot be laid, or "".
+
+        Its target may be unknown or out of reach, or have its sensor already; the hand may hold another
+        object, or the arm may not be in its posture `home` to take a sensor.
         """
         work = model.of(FieldWork)
         if work.field is None or self.target not in work.targets:
@@ -118,8 +122,10 @@ class Deploy(TreePrimitive):
         arm.check_near(place, REACH_SIGMAS * self._sigma(robot, target))
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
-        """Return the steps, one after the other; in the end only the fingers are lifted, or the arm comes
-        home.
+        """Return the behaviour tree, whose steps follow each other.
+
+        The last step lifts only the fingers if the next drive brings the arm back, and moves the arm to its
+        posture `home` otherwise.
         """
         steps: dict[str, Step] = {
             "stand until the target is known well enough": lambda: self._be_sure(robot, model),
@@ -198,7 +204,7 @@ class Deploy(TreePrimitive):
         return True
 
     def base_room(self, robot: Robot, model: ModelView) -> float:
-        """Return how far the base may be off its place with the target still in the arm's reach, in [m]."""
+        """Return how far the base may be from its place so that the arm still reaches the target, in [m]."""
         work = model.of(FieldWork)
         if self.target not in work.targets:
             return math.inf
@@ -216,9 +222,12 @@ class Deploy(TreePrimitive):
         )
 
     def finish(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Open the fingers completely, feel whether the sensor stands, and stow the arm.
+        """Open the fingers completely, feel whether the sensor is upright, and stow the arm.
 
-        Half open fingers would drag the sensor. Return whether it stands.
+        Fingers that are half open would drag the sensor.
+
+        Returns:
+            True if the sensor was felt to be upright.
         """
         yield from settle(robot)
         if not self._let_go_whole:

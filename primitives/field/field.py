@@ -77,7 +77,7 @@ class Field(FileModel):
         return finger_tip + (self.sensor_mm[2] - self.gripped_mm) / 1e3
 
     def held(self, finger_tip: float, name: str) -> Box:
-        """Return a sensor in the hand, posed in the hand's frame: its height along x.
+        """Return the box of a held sensor, posed in the hand's frame, with the sensor's height along x.
 
         Args:
             finger_tip: distance of the finger tips from the hand's origin, in [m].

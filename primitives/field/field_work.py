@@ -28,7 +28,7 @@ from .target_list import load_targets, place_of
 
 @dataclass
 class FieldWork(Section):
-    """Knowledge of a robot that lays sensors."""
+    """World model section with the field, the targets for sensors, and the sensors that were laid."""
 
     LEARNED: ClassVar = ("laid",)
 

@@ -20,9 +20,9 @@ CARRY_HEIGHT_M = 0.25  # of the sensor's foot above the ground while the base st
 
 
 class SensorOnTheWay:
-    """Arm motion that goes home, takes a sensor, and near the target holds it low over the target's place.
+    """Arm motion during a drive, which takes a sensor and brings it over its target before the base arrives.
 
-    All of it stays over the footprint, so nothing is met that the base wouldn't meet.
+    The arm stays above the robot's footprint, so that it cannot touch anything that the base would not touch.
     """
 
     def __init__(self, robot: Robot, field: Field, target: Target) -> None:
@@ -34,7 +34,7 @@ class SensorOnTheWay:
         target.
 
         Args:
-            remaining: returns the base's remaining distance, in [m].
+            remaining: function that returns the base's remaining distance, in [m].
         """
         arm, target = SensorArm(self._robot, self._field), self._target
         if not arm.holds:

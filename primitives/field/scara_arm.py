@@ -15,7 +15,7 @@ UPRIGHT_TOLERANCE = 1e-6
 
 
 def scara_of(robot: Robot) -> Scara:
-    """Return lengths, limits and postures of the robot's SCARA arm; its tip is the frame `hand`.
+    """Return lengths, limits and postures of the robot's SCARA arm, whose tip is the frame `hand`.
 
     Raises:
         Discrepancy: the arm does not have two upright axes and then a slide straight down.

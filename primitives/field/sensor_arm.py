@@ -37,10 +37,10 @@ FORCE_SMOOTHING_S = 0.1  # over which the force is smoothed
 
 
 class SensorArm:
-    """SCARA arm with fingers that takes a sensor, brings it over a place, and comes back.
+    """Motions of a SCARA arm with fingers that takes a sensor, brings it over a place, and comes back.
 
-    Places are x and y (2,) in [m] in the arm's own frame: origin on the axis of its first joint, seen from
-    above.
+    Places are x and y (2,) in [m] in the arm's own frame, whose origin is on the axis of the arm's first
+    joint.
     """
 
     def __init__(self, robot: Robot, field: Field) -> None:
@@ -59,7 +59,7 @@ class SensorArm:
         return self._robot.gripper.closed_on_something() and self._off() < WIDTH_ERROR
 
     def not_ready(self) -> str:
-        """Return why no sensor can be taken from the magazine; empty if it can be, or one is held."""
+        """Return why no sensor can be taken from the magazine; empty if one can be, or is held already."""
         if self.holds:
             return ""
         if is_holding(self._robot):
@@ -74,7 +74,7 @@ class SensorArm:
         return abs(self._robot.gripper.width() - self._field.sensor_mm[1] / 1e3)
 
     def take(self) -> Periods:
-        """Close the fingers on the sensor in the magazine; the arm is home.
+        """Close the fingers on the sensor in the magazine, with the arm in its posture `home`.
 
         Raises:
             Discrepancy: the fingers hold no sensor.
@@ -94,8 +94,9 @@ class SensorArm:
             )
 
     def place_of(self, point: FloatArray) -> FloatArray:
-        """Return a point on the ground in the arm's own frame (2,), in [m], by the estimated pose of the
-        base.
+        """Return a point on the ground in the arm's own frame, (2,) in [m].
+
+        The conversion uses the estimated pose and tilt of the base.
 
         Args:
             point: (2,) in the field's frame, in [m].
@@ -116,7 +117,7 @@ class SensorArm:
         return np.asarray((point - np.array(mount[:2])) @ np.array([[cos, -sin], [sin, cos]]))
 
     def check_near(self, place: FloatArray, unsure: float) -> None:
-        """Raise an error if a place can't be reached, even if it is off by a possible error.
+        """Check that a place is in the arm's reach, or may be, given the place's uncertainty.
 
         Args:
             place: (2,) in the arm's own frame, in [m].
@@ -129,9 +130,15 @@ class SensorArm:
             raise _out_of_reach(place)
 
     def reach(self, place: FloatArray) -> Periods:
-        """Bring the tip over a place (2,) in the arm's own frame, in [m], from home through the middle state.
+        """Bring the arm's tip over a place, from posture `home` through posture `middle`.
 
-        The way is checked to be free beforehand.
+        It is checked beforehand that the arm touches nothing on its path.
+
+        Args:
+            place: (2,) in the arm's own frame, in [m].
+
+        Raises:
+            Discrepancy: the place is out of reach, or the path is not free.
         """
         here = self._robot.arm.command()
         begin = self._middle if here[0] > self._middle[0] else here
@@ -168,7 +175,9 @@ class SensorArm:
             )
 
     def line_free(self, place: FloatArray) -> bool:
-        """Return whether the tip can move straight to a place, and from there all the way down.
+        """Return whether the arm's tip can move straight to a place, and then all the way down.
+
+        The arm must be able to follow this path, and touch nothing on it.
 
         Args:
             place: (2,) in the arm's own frame, in [m].
@@ -183,7 +192,7 @@ class SensorArm:
         return collision.path_free(np.array(path), step=0.03)
 
     def lead(self, end: FloatArray) -> Periods:
-        """Bring the tip to a place in a straight line, by resolved rates.
+        """Bring the tip to a place in a straight line, by resolved-rate control (through the Jacobian).
 
         Args:
             end: (2,) place in the arm's own frame, in [m].
@@ -207,7 +216,7 @@ class SensorArm:
         return float(self._robot.joint_speeds[:2].min()) * (1.0 - 1e-6)
 
     def slide(self, goal: float, speed: float = SLIDE_SPEED_M_S) -> Generator[None, None, float]:
-        """Move the slide to a position; on the way down, stop where the hand meets something.
+        """Move the arm's vertical slide to a position; on its way down, stop when the hand touches something.
 
         Args:
             goal: position of the slide, in [m]; larger is lower.
@@ -229,8 +238,9 @@ class SensorArm:
         return 0.0
 
     def give_way(self) -> Periods:
-        """Move the open fingers with the sensor that leans on one of them, until the sensor is upright by
-        itself, or they have moved by `MAX_YIELD_M`.
+        """Move the open fingers in the direction in which a sensor leans on one of them.
+
+        The motion ends when the sensor is upright by itself, or the fingers have moved by `MAX_YIELD_M`.
         """
         robot, push, gone, free = self._robot, 0.0, 0.0, 0.0
         share = min(1.0, robot.period / FORCE_SMOOTHING_S)
@@ -253,7 +263,7 @@ class SensorArm:
             self._robot.arm.move(joints)
 
     def stow(self) -> Periods:
-        """Raise the arm, bring it home through the middle state, and open the fingers."""
+        """Raise the arm, move it through posture `middle` to posture `home`, and open the fingers."""
         yield from self.slide(float(self._home[2]))
         if self._robot.arm.command()[0] <= self._middle[0]:
             yield from self._back_to_middle()

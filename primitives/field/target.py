@@ -31,7 +31,7 @@ class Target(NamedTuple):
 
 
 class Laid(NamedTuple):
-    """Sensor that was released, with its believed position in the field's frame."""
+    """Sensor that was released, with its estimated position in the field's frame."""
 
     name: str
     x: float

@@ -39,16 +39,16 @@ class TargetRow(NamedTuple):
 
 
 def load_targets(path: Path, field: Field, start: Pose2) -> dict[str, Target]:
-    """Return the targets by name, in the order of the file, each with the place of the base for it.
+    """Return the targets by name, in the order of the file, each with the pose of the base that serves it.
 
-    The place is to the target's left, on the straight line from the previous place (at first from
-    `start`), or with the heading given in the file.
+    The base is to the left of the target. Its heading is along the straight line from its previous pose (for
+    the first target from `start`), or the one given in the file.
 
     Args:
         path: CSV file with a header, name and x_m, y_m or latitude_deg, longitude_deg, optionally
             heading_deg; or GeoJSON points.
         field: field with the targets.
-        start: world_T_base at first.
+        start: pose of the base at the start, world_T_base.
 
     Raises:
         FileError: with every bad line.

@@ -34,10 +34,10 @@ def remember_bump(
     """Record in the world model that the base is stopped, by a contact of its own or of its arm.
 
     Args:
-        robot: at the place where it is stopped, or where it rebounded to.
-        model: world model that gets the row.
+        robot: robot at the place where it was stopped, or to which it rebounded.
+        model: world model to which the bump is added.
         forwards: True if the base was driven forwards.
-        blocked: measurement of `BlockedMotion`, if that noticed it.
+        blocked: measurement by `BlockedMotion`; None if the bump was noticed otherwise.
 
     Returns:
         The row (3,) of `bumps`: x, y on the map in [m], direction of the motion in [rad].
@@ -70,10 +70,15 @@ def _arm_outlines(robot: Robot) -> list[FloatArray]:
 
 
 def keep_off_bumps(robot: Robot, model: WorldModel, returns: bool = False) -> None:
-    """Let the base keep off every place where it ran into an obstacle.
+    """Keep the base off all places where it or its arm ran into an obstacle, by the guard against collisions.
 
-    The footprint's current place counts as free. A base that `returns` to its start keeps off only the region
-    straight ahead of the place where it was stopped, because it may have slid along the obstacle before.
+    The footprint's current place counts as free.
+
+    Args:
+        robot: the robot.
+        model: world model with the bumps.
+        returns: True while the base returns to its start. Then only the region straight ahead of each bump
+            counts, because the base may have slid along the obstacle before.
     """
     radius = robot.spec.footprint_radius_m
     felt = bump_fronts(model.bumps, radius)
@@ -94,12 +99,12 @@ def _away(robot: Robot, points: FloatArray) -> FloatArray:
 def note_bump(robot: Robot, model: WorldModel, evidence: Evidence) -> None:
     """Record a bump and raise `Discrepancy` if the base was stopped in the last period; called once a period.
 
-    A bump of a robot that does not know its place on the map is not kept in the model.
+    If the robot's pose on the map is unknown, the bump is not kept in the model.
 
     Args:
         robot: the robot.
-        model: world model that gets the bump.
-        evidence: gets the place of the bump.
+        model: world model to which the bump is added.
+        evidence: evidence of the attempt, to which the place of the bump is added.
     """
     _check_wheels(robot)
     blocked = robot.progress.blocked
@@ -155,7 +160,7 @@ def _words(blocked: Blocked, bump: FloatArray, spec: RobotFile) -> str:
 
 
 def avoided_points(robot: Robot, model: WorldModel | ModelView) -> FloatArray:
-    """Return the points (n, 2) on the map to plan around, in [m]: sensed ones, and those run into."""
+    """Return points (n, 2) on the map that routes must avoid, in [m]: sensed obstacles, and bumps."""
     arm = _away(robot, bump_areas(model.arm_bumps, 0.0))
     return np.vstack([model.obstacles, bump_areas(model.bumps, robot.spec.footprint_radius_m), arm])
 

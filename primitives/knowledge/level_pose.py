@@ -14,7 +14,10 @@ from handcart.robotics.kinematics.shapes import Box
 
 
 class LevelPose(FileModel):
-    """A pose on a level surface, given on the map or, for the robot's own table, in the base frame."""
+    """A pose on a level surface.
+
+    It is given on the map, or in the base frame for the table that the robot itself carries.
+    """
 
     x_m: float
     y_m: float

@@ -18,8 +18,9 @@ from .place import Places
 
 
 class SpeedMask(FileModel):
-    """Mask whose cells, from 0 to 100, limit the base's speed: base + multiplier * value; 0 means
-    unlimited.
+    """Mask over the map that limits the speed of the robot's base by its cells, with values from 0 to 100.
+
+    The limit in a cell is `base + multiplier * value`; a value of 0 means no limit.
     """
 
     mask: str

@@ -10,15 +10,16 @@ RobotPart = Literal["base", "arm", "hand", "held"]
 
 
 class MeantContact(NamedTuple):
-    """Intended contact: a part of the robot, and the name of the touched body in the world, `*` for any
-    characters.
+    """Contact that a motion intends, between a part of the robot and a body in the simulated world.
+
+    The name `other` of the body may contain `*` for any characters.
     """
 
     part: RobotPart
     other: str
 
     def covers(self, part: str, other: str) -> bool:
-        """Return whether a contact is intended.
+        """Return whether a contact that occurred is this intended one.
 
         Args:
             part: part of the robot, one of `RobotPart`.

@@ -34,7 +34,8 @@ Positive = Annotated[float, Field(gt=0.0)]
 class Shelf(FileModel):
     """A shelf in front of a place.
 
-    Its frame: x into the shelf, y left, z up, from the middle of its front edge at the height of the board.
+    The shelf's frame has x into the shelf, y to the left and z up. Its origin is the middle of the shelf's
+    front edge at the height of the board.
     """
 
     distance_m: Positive
@@ -133,9 +134,10 @@ def load_places(path: Path) -> Loaded[Places]:
 
 
 def is_goals(document: Document) -> bool:
-    """Return whether a file holds goals, and no `format`.
+    """Return whether a file contains navigation goals, as for nav2, and is not a file of places.
 
-    It is a list, has one under `waypoints`, `goals` or `poses`, or is of lines `name: [x, y, theta]`.
+    The file is a list, or has a list under `waypoints`, `goals` or `poses`, or consists of lines
+    `name: [x, y, theta]`; it has no key `format`.
     """
     content = document.root.content
     if isinstance(content, dict):

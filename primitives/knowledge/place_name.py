@@ -8,7 +8,10 @@ from pydantic import Field
 
 
 class Names(NamedTuple):
-    """Mark of a parameter that holds a name of an entry of the world model, so that files can be checked."""
+    """Annotation of a primitive's parameter whose value is a name in an entry of the world model.
+
+    Names in task files are checked by it; with `entry` "places", for example, the value is a place's name.
+    """
 
     entry: str
 

@@ -45,8 +45,15 @@ class NamedFiles:
     """Findings of all readers; new ones are added here."""
 
     def read(self, key: str, reader: Callable[[Path], T]) -> T | None:
-        """Return the content of a file; None if the task names none, or if it is invalid, which adds
-        findings.
+        """Return the content of the file that the task names under a key.
+
+        Args:
+            key: key under `knowledge:`.
+            reader: function that reads the file, and raises `FileError` if it is invalid.
+
+        Returns:
+            The content; None if the task names no file, or the file is invalid. Its faults are then added to
+                `findings`.
         """
         if key not in self.paths:
             return None
@@ -62,13 +69,13 @@ class NamedFiles:
 
 
 class Companion(Protocol):
-    """Motion of the arm while the base drives to a place."""
+    """Interface of a motion that the arm makes while the base drives to a place."""
 
     def motion(self, remaining: Callable[[], float]) -> Iterator[None]:
-        """Yield once for each period of the base's motion.
+        """Move the arm, as a generator that yields once in each control period of the drive.
 
         Args:
-            remaining: returns the base's remaining distance, in [m].
+            remaining: function that returns the base's remaining distance, in [m].
 
         Raises:
             Discrepancy: the motion is impossible.
@@ -77,12 +84,15 @@ class Companion(Protocol):
 
 
 class MovedKnowledge(Protocol):
-    """Places and map of a world model, which follow what was measured elsewhere."""
+    """Interface of a world model whose places and map are corrected for objects that have moved.
+
+    An object is a thing on the map, such as furniture, whose new pose was measured.
+    """
 
     places: Mapping[str, Place]
 
     def redraw_moved(self) -> GridMap:
-        """Replace the map by one with measured things where they are now; return it with the sensed cells."""
+        """Redraw the map with moved things at their measured poses; return it with the sensed cells added."""
         ...
 
 
@@ -112,13 +122,15 @@ class Section:
         return cls(**{key: found for key, found in read.items() if found is not None})
 
     def names(self) -> Mapping[str, Collection[object] | None]:
-        """Return the known names by kind: parameters marked with `Names(KIND)` are checked against them, and
-        `{all: KIND}` in a task file lists them. None: the file with the names of this kind is invalid.
+        """Return the names that are known in this domain, by kind.
+
+        Parameters annotated with `Names(KIND)` are checked against them, and `{all: KIND}` in a task file is
+        replaced by them. They are None if the file with the names of this kind is invalid.
         """
         return {}
 
     def fit(self, robot: RobotFile, grid: GridMap, places: Mapping[str, Place]) -> Iterator[Finding]:
-        """Compute what depends on the robot, such as places of its base; yield what is impossible.
+        """Compute data that depend on the robot, such as places of its base; yield what is impossible.
 
         Called once, before anything moves; `places` then returns the computed ones too.
 
@@ -130,9 +142,9 @@ class Section:
         return iter(())
 
     def places(self) -> Mapping[str, Place]:
-        """Places of the map that these files add.
+        """Return the places that the domain's files add to those of the map, by name.
 
-        Those that are computed for a robot are missing until `fit`; `names` has their names as "places".
+        Places that `fit` computes are missing before it; `names` returns their names, too, as "places".
         """
         return {}
 
@@ -144,22 +156,22 @@ class Section:
         return ()
 
     def moved_things(self) -> Iterable[MovedThing]:
-        """Return the things that were measured elsewhere than on the map; routes avoid their new places."""
+        """Return the things whose measured pose differs from that on the map; routes avoid the new pose."""
         return ()
 
     def measuring(
         self, robot: Robot, model: MovedKnowledge, place: str, report: Callable[..., None]
     ) -> Generator[None, None, bool] | None:
-        """Return a measurement of the thing that a place was computed for; None if there is none to measure.
+        """Return a generator that measures the thing to which a place belongs; None if there is none.
 
-        It runs while the base is at rest near the place, and moves the place with the measured thing. It
-        returns whether the thing was seen.
+        The generator runs while the base is at rest near the place, and moves the place with the measured
+        thing. It returns whether the thing was seen.
 
         Args:
             robot: the robot.
-            model: knowledge in which the place is moved.
-            place: name of the place that the base is about to drive to.
-            report: receives metrics.
+            model: world model in which the place is moved.
+            place: name of the place to which the base is about to drive.
+            report: function that receives metrics of the measurement.
         """
         return None
 
@@ -180,7 +192,7 @@ class Section:
         return None
 
     def contacts_on_the_way(self, place: str) -> Sequence[MeantContact]:
-        """Return the intended contacts of the companion."""
+        """Return the intended contacts of the arm's motion while the base drives to a place."""
         return ()
 
     def noted(self) -> dict[str, Any]:
@@ -193,7 +205,7 @@ class Section:
         return tuple(field.name for field in fields(cls))
 
     def forget_element(self) -> None:
-        """Clear the entries `ELEMENT` when a `repeat` of the task's file goes on to its next element."""
+        """Set the entries in `ELEMENT` to None, when a `repeat` in the task goes on to its next element."""
         for name in self.ELEMENT:
             setattr(self, name, None)
 
@@ -204,7 +216,7 @@ class Section:
 
 
 def types_of(kind: type) -> Mapping[str, Any]:
-    """Return the annotated types of a class, by name."""
+    """Return the annotated types of a class's fields, by the field's name."""
     return _types_of(kind)
 
 

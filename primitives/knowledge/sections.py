@@ -12,13 +12,13 @@ from .section import Section
 
 @cache
 def section_class(domain: Domain) -> type[Section] | None:
-    """Return a domain's section class, imported; None for a domain without one."""
+    """Import and return the class of a domain's world model section; None if the domain has no section."""
     found: type[Section] | None = imported(domain.knowledge.section) if domain.knowledge else None
     return found
 
 
 def sections() -> dict[str, type[Section]]:
-    """Return all sections, by the names of their domains."""
+    """Return the classes of all world model sections, by the names of their domains."""
     found = {domain.name: section_class(domain) for domain in domains()}
     return {name: kind for name, kind in found.items() if kind is not None}
 

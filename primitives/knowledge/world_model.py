@@ -34,7 +34,10 @@ MOVED_MARGIN_M = 0.08  # from the outline of a thing that was measured, within w
 
 
 class Declares(Protocol):
-    """Declaration of what is read and written in the world model, as every primitive makes it."""
+    """Interface of a class that declares which entries of the world model it reads and writes.
+
+    Every primitive does.
+    """
 
     reads: ClassVar[tuple[str, ...]]
     writes: ClassVar[tuple[str, ...]]
@@ -145,8 +148,13 @@ class WorldModel:
         return self.sections[name]
 
     def fit(self, robot: RobotFile) -> list[Finding]:
-        """Let the domains compute their robot-dependent data, such as places; add these places, and mark on
-        the map the areas whose content may have moved; return the faults.
+        """Complete the model for a robot, before the start of a run.
+
+        The domains compute data that depend on the robot, such as places, which are added to `places`. Areas
+        whose content may have moved are marked on the map.
+
+        Returns:
+            Findings on data that cannot be computed for this robot.
         """
         begin_stage("places of the base")
         found: list[Finding] = []
@@ -162,9 +170,9 @@ class WorldModel:
         return found
 
     def redraw_moved(self) -> GridMap:
-        """Replace the map by the given one with the measured things where they are now.
+        """Redraw the map, with things that have moved at their measured poses.
 
-        Cells that were sensed near a moved thing are dropped, because they showed that thing.
+        Sensed cells near a moved thing are dropped, because they showed this thing.
 
         Returns:
             The new map with the sensed cells that are left.
@@ -179,13 +187,19 @@ class WorldModel:
         return layer.merged()
 
     def is_redrawn(self) -> bool:
-        """Return whether the map shows things elsewhere than the given one."""
+        """Return whether the map was redrawn with moved things, so that it differs from the map file."""
         return self.map is not self._given_map
 
     def measuring(
         self, robot: Robot, place: str, report: Callable[..., None]
     ) -> Generator[None, None, bool] | None:
-        """Return a measurement of the thing that a place was computed for; None if no domain has one."""
+        """Return a generator that measures the thing to which a place belongs; None if no domain has one.
+
+        Args:
+            robot: the robot.
+            place: name of the place to which the base is about to drive.
+            report: function that receives metrics of the measurement.
+        """
         found = (section.measuring(robot, self, place, report) for section in self.sections.values())
         return next((steps for steps in found if steps is not None), None)
 
@@ -211,10 +225,10 @@ class WorldModel:
         ]
 
     def lookup(self, path: str) -> Any:
-        """Return a value for a late-bound parameter, such as `cup.size`.
+        """Return the value at a path in the model, such as `cup.size`, to which a parameter refers.
 
         Raises:
-            UnknownFact: it isn't known yet.
+            UnknownFact: the value is not known yet.
         """
         first, *names = path.split(".")
         value = getattr(self._owner(first), first, None)
@@ -263,7 +277,7 @@ class WorldModel:
         return kind
 
     def state(self) -> dict[str, Any]:
-        """Return the learned knowledge for a checkpoint, as plain data."""
+        """Return the knowledge learned in the run, as plain data for a checkpoint."""
         own = {name: attributes(section, section.learned_types()) for name, section in self.sections.items()}
         return {**attributes(self, self.LEARNED), "sections": own}
 
@@ -314,7 +328,7 @@ def _hints(kind: Any) -> Mapping[str, Any]:
 
 
 class ModelView:
-    """World model as one primitive may use it: only declared entries can be read or written."""
+    """View of the world model for one primitive, which can only access the entries that it declares."""
 
     if TYPE_CHECKING:
         map: GridMap
@@ -339,23 +353,23 @@ class ModelView:
         return cast(SectionT, ModelView(model, self.__dict__["_primitive"], model.of(kind)))
 
     def companion(self, robot: Robot, place: str) -> Companion | None:
-        """Return the companion that a section offers for a drive to a place, or None."""
+        """Return the arm's motion while the base drives to a place; None if no domain has one."""
         found: Companion | None = self.__dict__["_model"].companion(robot, place)
         return found
 
     def redraw_moved(self) -> GridMap:
-        """Replace the map by one with measured things where they are now; return it with the sensed cells."""
+        """Redraw the map with moved things at their measured poses; return it with the sensed cells added."""
         grid: GridMap = self.__dict__["_model"].redraw_moved()
         return grid
 
     def is_redrawn(self) -> bool:
-        """Return whether the map shows things elsewhere than the given one."""
+        """Return whether the map was redrawn with moved things, so that it differs from the map file."""
         return bool(self.__dict__["_model"].is_redrawn())
 
     def measuring(
         self, robot: Robot, place: str, report: Callable[..., None]
     ) -> Generator[None, None, bool] | None:
-        """Return the measurement that a section offers before a drive to a place, or None."""
+        """Return a generator that measures the thing to which a place belongs; None if no domain has one."""
         found: Generator[None, None, bool] | None
         found = self.__dict__["_model"].measuring(robot, place, report)
         return found

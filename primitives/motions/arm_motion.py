@@ -31,10 +31,10 @@ MORE_GOALS = 3  # postures that a way is looked for to then
 def move_to_posture(
     robot: Robot, name: str, held: Shape | None = None, around: Sequence[Shape] = ()
 ) -> Periods:
-    """Move to a named posture of the robot's file, without collisions with the robot and known bodies.
+    """Move the arm to a named posture of the robot's file, without collisions with the robot and obstacles.
 
     Args:
-        robot: its arm holds the last commanded joints.
+        robot: robot whose arm is at its last command.
         name: name of the posture.
         held: held object, posed in the hand frame.
         around: bodies to keep clear of, posed in the base frame.
@@ -48,13 +48,13 @@ def move_to_posture(
 def move_to_pose(
     robot: Robot, base_T_hand: Transform, held: Shape | None = None, around: Sequence[Shape] = ()
 ) -> Periods:
-    """Move the hand to a pose, without collisions with the robot and known bodies.
+    """Move the hand to a pose, without collisions with the robot and obstacles.
 
-    The solution of the inverse kinematics next to the present posture is tried first. If it is not free,
-    or no way leads there, other solutions follow, those that are free and near first.
+    The solution of the inverse kinematics nearest to the present posture is tried first. If it is in
+    collision, or no free path leads to it, other solutions are tried, free and near ones first.
 
     Args:
-        robot: its arm holds the last commanded joints.
+        robot: robot whose arm is at its last command.
         base_T_hand: (4, 4) final pose of the hand.
         held: held object, posed in the hand frame.
         around: bodies to keep clear of, posed in the base frame.
@@ -82,12 +82,12 @@ def move_to_pose(
 def move_to_joints(
     robot: Robot, joints: FloatArray, held: Shape | None = None, around: Sequence[Shape] = ()
 ) -> Periods:
-    """Move to joint angles, without collisions with the robot and known bodies.
+    """Move the arm to joint positions, without collisions with the robot and obstacles.
 
-    Continuous joints turn the shorter way.
+    Continuous joints turn in the shorter direction.
 
     Args:
-        robot: its arm holds the last commanded joints.
+        robot: robot whose arm is at its last command.
         joints: (n,) goal, in [rad] or [m].
         held: held object, posed in the hand frame.
         around: bodies to keep clear of, posed in the base frame.
@@ -112,13 +112,13 @@ def move_straight(
     """Move the hand to a pose in a straight line.
 
     Args:
-        robot: its arm holds the last commanded joints.
+        robot: robot whose arm is at its last command.
         base_T_hand: (4, 4) final pose of the hand.
         held: held object, posed in the hand frame.
         around: bodies to keep clear of, posed in the base frame.
 
     Raises:
-        Discrepancy: the line can't be followed, or something is in its way.
+        Discrepancy: the arm cannot move the hand along the line, or an obstacle is on it.
     """
     collision = collision_model(robot, held, around)
     here = robot.arm.command()
@@ -132,11 +132,14 @@ def move_straight(
 
 
 def follow(robot: Robot, path: FloatArray) -> Periods:
-    """Move along straight lines between the rows (m, n) of a joint path, in [rad] or [m], from the last
-    command.
+    """Move the arm along a path, which is straight in joint space between its points.
+
+    Args:
+        robot: robot whose arm is at the first point.
+        path: (m, n) joint positions, in [rad] or [m].
 
     Raises:
-        Discrepancy: the arm doesn't follow.
+        Discrepancy: the joints lag too far behind their commands.
     """
     slides = robot.arm_model.slides
     most = np.where(slides, SLIDE_LAGS, MAX_JOINT_LAG_RAD)

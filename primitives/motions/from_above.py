@@ -22,9 +22,10 @@ Size = tuple[float, float, float]
 
 
 def pointing_down(place: Pose2, height: float) -> Transform:
-    """Return base_T_hand (4, 4) of a hand that points down: its x down, its y against the place's x.
+    """Return the pose base_T_hand (4, 4) of a hand that points down at a place.
 
-    The fingers close along the hand's y.
+    The hand's x axis points down. Its y axis, along which the fingers close, is opposite to the place's
+    heading.
 
     Args:
         place: position and heading on the base's plane, in the base frame.
@@ -39,12 +40,12 @@ def on_level(pose: Transform) -> Pose2:
 
 
 def gripping(robot: Robot, size: Size, base_T_thing: Transform) -> Transform:
-    """Return base_T_hand (4, 4) that grips a thing from above, its pads covering the thing's top.
+    """Return the pose base_T_hand (4, 4) that grips a thing from above, with the finger pads around its top.
 
-    The hand is tilted as the thing is, so that an upright thing stays upright on a tilted base.
+    The hand is tilted like the thing, so that an upright thing stays upright on a tilted base.
 
     Args:
-        robot: robot whose hand it is.
+        robot: robot with the hand.
         size: length, width and height of the thing, in [m].
         base_T_thing: (4, 4) pose of the thing, whose origin is the middle of its foot.
     """
@@ -53,8 +54,11 @@ def gripping(robot: Robot, size: Size, base_T_thing: Transform) -> Transform:
 
 
 def gripped(robot: Robot, size: Size) -> Box:
-    """Return a thing of `size` in [m] as a box in the hand frame, held from above by its top as `gripping`
-    does.
+    """Return the box, in the hand frame, of a thing that the hand holds from above as in `gripping`.
+
+    Args:
+        robot: robot with the hand.
+        size: length, width and height of the thing, in [m].
     """
     length, width, height = size
     middle = transform((hand_to_tips(robot) - GRIP_DEPTH_M + height / 2, 0.0, 0.0))

@@ -42,7 +42,7 @@ def close(robot: Robot) -> Periods:
     """Close the fingers until they press on something, which may be each other.
 
     Raises:
-        Discrepancy: they press on nothing within `GRIP_TIMEOUT_S`.
+        Discrepancy: the fingers do not press on anything within `GRIP_TIMEOUT_S`.
     """
     robot.gripper.move(0.0)
     end = robot.time + GRIP_TIMEOUT_S
@@ -56,7 +56,7 @@ def close(robot: Robot) -> Periods:
 
 
 def width_read(robot: Robot) -> Measured:
-    """Return the measured opening of the fingers as the reading of a `Discrepancy`."""
+    """Return the measured opening of the fingers, in the form in which a `Discrepancy` reports a reading."""
     return Measured(
         "Gripper", "the fingers press on nothing; opening", 1e3 * robot.gripper.width(), unit="mm"
     )
@@ -68,7 +68,7 @@ def holds(robot: Robot, width: float, most: float) -> bool:
 
 
 def width_off(robot: Robot, width: float, most: float, what: str) -> Measured:
-    """Return the distance of the measured opening from a width, as the reading of a `Discrepancy`.
+    """Return the difference of the fingers' opening from a width, in the form that a `Discrepancy` reports.
 
     Args:
         robot: robot with a gripper.

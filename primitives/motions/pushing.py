@@ -36,15 +36,16 @@ def push(
 ) -> Generator[None, None, Pushed]:
     """Move the hand in a straight line at constant speed until a resistance stops it.
 
-    If a joint would exceed its speed, the hand moves more slowly. Choose the speed so that a period's step
-    adds little force: with a stiffness of 2 N per mm, 20 mm/s add 2 N.
+    If a joint would exceed its speed limit, the hand moves more slowly. The speed should be chosen so that
+    the force increases only a little in one period. With a stiffness of 2 N per mm and a period of 50 ms,
+    20 mm/s add 2 N.
 
     Args:
-        robot: its arm holds the last commanded joints.
+        robot: robot whose arm is at its last command.
         base_T_goal: (4, 4) final pose of the hand.
         speed: speed of the hand, in [m/s].
-        most: resistance against the direction of motion at which it stops, in [N].
-        enough: asked every period; the push stops as soon as it returns True.
+        most: force against the direction of motion at which the hand stops, in [N].
+        enough: function called every period; the push stops as soon as it returns True.
 
     Raises:
         Discrepancy: the arm cannot move the hand along that line.

@@ -49,7 +49,7 @@ UPRIGHT_TOLERANCE_RAD = math.radians(15.0)
 
 
 class HeldPhase(Enum):
-    """Phase of the object that is handed over."""
+    """Phase of handing an object over to a person."""
 
     CARRIED = "carried"
     OFFERED = "offered"
@@ -57,11 +57,11 @@ class HeldPhase(Enum):
 
 
 class HandOver(ActionPrimitive):
-    """Hold the object out to a person, wait for a pull at it, and let it go.
+    """Hold the object out to a person, wait until the person pulls at it, and let it go.
 
-    The arm brings the object ahead of the robot, upright, or takes a named posture. The fingers open once a
-    force pulls at the hand for a while; a bump or a push is no pull. Closing fingers then show that the hand
-    is empty, and a picture of the floor that the object isn't there.
+    The arm brings the object ahead of the robot, upright, or moves to a named posture. The fingers open once
+    a force has pulled at the hand for a while; a bump or a push is no pull. Then the closing fingers must
+    show that the hand is empty, and a picture of the floor that the object has not fallen.
     """
 
     posture: Annotated[str, Field(min_length=1)] | None = None
@@ -134,17 +134,21 @@ class HandOver(ActionPrimitive):
             yield from stow(robot, model)
 
     def watch(self, robot: Robot, model: ModelView) -> None:
-        """Call a person if the object slips out of the hand before it is offered, or on its way back."""
+        """Check in this period that the object has not slipped out of the hand, unless it is being offered.
+
+        Raises:
+            NeedsPerson: the object has slipped.
+        """
         if self._phase is HeldPhase.CARRIED and self._has_slipped(robot):
             raise self._slipped(robot)
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Return whether the hand is empty."""
+        """Return whether the hand is empty after the object was released."""
         return self._is_gone and not is_holding(robot)
         yield
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
-        """Return the contact with the object."""
+        """Return the intended contact of the hand with the object."""
         held = model.of(Objects).held_object or self._before
         return () if held is None else (MeantContact("hand", name_in_world(held.object)),)
 

@@ -25,7 +25,7 @@ def object_findings(
     surfaces: Mapping[str, ObjectSurface],
     objects: Mapping[str, KnownObject],
 ) -> Iterator[Finding]:
-    """Yield everything in a file of objects that contradicts another part of it."""
+    """Yield a finding for each value in a file of objects that contradicts another part of the file."""
     for name, kind in kinds.items():
         yield from _too_large(document, ("kinds", name), kind.tags, kind)
     for name, surface in surfaces.items():
@@ -44,7 +44,7 @@ def object_findings(
 def gripper_findings(
     document: Document, kinds: Mapping[str, ObjectKind], opening_mm: float
 ) -> Iterator[Finding]:
-    """Yield kinds of objects that fingers with this opening can't take between them."""
+    """Yield a finding for each kind of objects too large for fingers that open by `opening_mm`."""
     widest = opening_mm - OPENING_MARGIN_MM
     for name, kind in kinds.items():
         if min(kind.size_mm) > widest:

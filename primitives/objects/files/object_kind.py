@@ -19,7 +19,10 @@ HALF_TURN_DEG = 180.0
 
 
 class ObjectKind(FileModel):
-    """A kind of objects of one shape and size. Its frame: origin in the middle of the foot, z up."""
+    """A kind of objects of one shape and size.
+
+    The frame of an object has its origin in the middle of the object's foot, and z up.
+    """
 
     shape: Literal["box", "cylinder"] = "box"
     """A cylinder is upright; along its x and y it has one size, its diameter."""
@@ -50,7 +53,7 @@ class ObjectKind(FileModel):
 
     @property
     def is_round(self) -> bool:
-        """True if it is a cylinder."""
+        """True if objects of this kind are cylinders."""
         return self.shape == "cylinder"
 
     @property
@@ -59,7 +62,7 @@ class ObjectKind(FileModel):
         return self.size[0] / 2 if self.is_round else math.hypot(*self.size[:2]) / 2
 
     def body(self, name: str) -> Solid:
-        """Return its solid in its own frame."""
+        """Return the shape of an object of this kind, posed in the object's frame and named `name`."""
         middle = transform((0.0, 0.0, self.size[2] / 2))
         if self.is_round:
             return Cylinder(middle, self.size[0] / 2, self.size[2], name)
@@ -67,7 +70,7 @@ class ObjectKind(FileModel):
 
 
 class KnownObject(FileModel):
-    """An object, and where it is believed to be."""
+    """An object of a file of objects, with its expected pose on a surface."""
 
     kind: Name
     on: Name

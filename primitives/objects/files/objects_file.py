@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class ObjectsFile(FileModel):
-    """Objects that a robot finds, picks and places."""
+    """File of objects that a robot finds, picks and places, and of the surfaces that carry them."""
 
     format: Literal["handcart-objects/1"]
     kinds: dict[Name, ObjectKind]

@@ -31,7 +31,7 @@ WALL_SIDES: dict[str, tuple[int, int]] = {"+x": (0, 1), "-x": (0, -1), "+y": (1,
 
 
 class SurfaceSpot(FileModel):
-    """A named spot on a surface, on the map."""
+    """Named pose on a surface at which an object may be placed, on the map."""
 
     x_m: float
     y_m: float
@@ -40,7 +40,7 @@ class SurfaceSpot(FileModel):
 
     @property
     def pose(self) -> Pose2:
-        """Pose on the map; with heading 0 if any heading will do."""
+        """Pose on the map; the heading is 0 if the spot allows any heading."""
         return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg or 0.0))
 
     def moved_by(self, before: Pose2, now: Pose2) -> Self:
@@ -56,7 +56,7 @@ class SurfaceSpot(FileModel):
 
 
 class ObjectSurface(LevelPose):
-    """A level surface that carries objects: a table, a shelf's board, an area of the floor.
+    """A level surface that carries objects, such as a table, a shelf's board or an area of the floor.
 
     Its pose is that of the middle of its top, on the map.
     """
@@ -90,7 +90,7 @@ class ObjectSurface(LevelPose):
 
         Args:
             name: name of the bodies.
-            room: by which a wall's inner and its outer face are moved outwards, in [m].
+            room: distance by which a wall's inner and outer face are moved outwards, in [m].
         """
         result = []
         length, width = self.size_m
@@ -118,8 +118,10 @@ class ObjectSurface(LevelPose):
                 yield Box(self.pose @ transform((0.0, off, middle)), (self.size_m[0], thick, high), name)
 
     def contact_names(self, name: str) -> tuple[str, ...]:
-        """Return the names of all bodies, in contacts, that an object on the surface touches; `name` is the
-        surface's.
+        """Return the names of all bodies that an object on the surface touches, as contacts report them.
+
+        Args:
+            name: name of the surface.
         """
         return (name, *FLOOR_NAMES) if self.height_m <= 0.0 else (name,)
 
@@ -134,8 +136,9 @@ class ObjectSurface(LevelPose):
         return self.floor.apply(np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * self._half)
 
     def movable_area(self) -> MovableArea | None:
-        """Return the area of the map where the surface may be now; None for the floor, and if the surface is
-        fixed.
+        """Return the area of the map in which the surface may be, because it may have been moved.
+
+        It is None for an area of the floor, and if the surface is fixed.
         """
         if self.fixed or (self.height_m <= 0.0 and not self.walls):
             return None
@@ -146,7 +149,12 @@ class ObjectSurface(LevelPose):
         )
 
     def margin(self, x: float, y: float) -> float:
-        """Return the distance of a point of the map inside the surface's edge, in [m]; negative outside."""
+        """Return the distance of a point from the surface's edge, in [m]; positive inside, negative outside.
+
+        Args:
+            x: x of the point on the map, in [m].
+            y: y of the point on the map, in [m].
+        """
         off = Pose2(x, y, 0.0).relative_to(self.floor)
         return min(self.size_m[0] / 2 - abs(off.x), self.size_m[1] / 2 - abs(off.y))
 
@@ -157,5 +165,5 @@ class ObjectSurface(LevelPose):
         return self.model_copy(update={"x_m": pose.x, "y_m": pose.y, "heading_deg": heading, "spots": spots})
 
     def allows(self, kind: str) -> bool:
-        """Return whether objects of a kind may be there."""
+        """Return whether objects of a kind may be on this surface."""
         return self.kinds == "any" or kind in self.kinds

@@ -35,16 +35,16 @@ def stow(
     kind: ObjectKind | None = None,
     hand_T_object: Transform | None = None,
 ) -> Periods:
-    """Bring the hand within the robot's outline; a held object that has to stay upright does so.
+    """Bring the hand within the robot's outline, with a held object upright if its kind requires it.
 
     Args:
-        robot: its arm may be anywhere.
-        model: knows the surfaces and objects that the arm must not touch.
+        robot: robot with its arm in any posture.
+        model: world model with the surfaces and objects that the arm must not touch.
         kind: kind of the held object; None for an empty hand.
         hand_T_object: (4, 4) pose of the held object.
 
     Raises:
-        Discrepancy: no such posture is found, or no way leads there.
+        Discrepancy: no such posture is found, or no free path leads to it.
     """
     if kind is None or hand_T_object is None:
         yield from move_with_room(robot, model, np.array(robot.spec.posture("home")))
@@ -59,10 +59,11 @@ def stow(
 def carrying_joints(
     robot: Robot, kind: ObjectKind, hand_T_object: Transform, around: Sequence[Solid] = ()
 ) -> FloatArray | None:
-    """Return a posture in which the arm carries an object within the robot's outline; None without any.
+    """Return a posture in which the arm carries an object within the robot's outline; None if none is found.
 
     A posture with the complete arm within the outline is preferred, because an elbow outside of it may hit
-    obstacles that the base drives past. The search ends at the first one with `GOOD_CLEARANCE_M`.
+    obstacles that the base drives past. The search ends at the first such posture whose clearance is at least
+    `GOOD_CLEARANCE_M`.
 
     Args:
         robot: robot with the object in its hand.

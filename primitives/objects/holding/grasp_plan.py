@@ -34,7 +34,7 @@ GRASPS_TRIED = 12  # whose straight lines are looked at
 
 
 class PlannedGrasp(NamedTuple):
-    """A grasp with a free way to it from right before it, and up again."""
+    """A grasp of an object, with a free straight path of the hand to it, and then up with the object."""
 
     grasp: Grasp
     before: FloatArray
@@ -58,14 +58,16 @@ class GraspChoice(NamedTuple):
 def plan_grasps(
     robot: Robot, kind: ObjectKind, base_T_object: Transform, around: Sequence[Solid], target: Solid
 ) -> GraspChoice:
-    """Return the free grasps of an object, ranked by clearance: straight ones from above are preferred.
+    """Return the grasps of an object that touch nothing else, ranked by clearance.
+
+    Grasps straight from above are preferred.
 
     Args:
         robot: robot with an arm and a gripper.
         kind: kind of the object.
         base_T_object: (4, 4) pose of the object.
-        around: bodies that the arm must not touch, in the base frame, without the object.
-        target: the object, in the base frame.
+        around: obstacles for the arm, in the base frame, without the object.
+        target: shape of the object, in the base frame.
     """
     spec = robot.spec.gripper
     opening = spec.opening_mm / 1e3 if spec is not None else 0.0
@@ -160,12 +162,14 @@ def _with_opening(robot: Robot, width: float) -> ArmModel:
 
 
 def gripped(base_T_hand: Transform, base_T_object: Transform, is_round: bool = False) -> Transform:
-    """Return hand_T_object (4, 4) once the pads have closed: centred between them, its sides along them.
+    """Return the pose hand_T_object (4, 4) of an object after the finger pads have closed on it.
+
+    The pads centre the object between them, and turn its sides parallel to them.
 
     Args:
-        base_T_hand: (4, 4) of the hand around the object.
-        base_T_object: (4, 4) of the object, as it was seen.
-        is_round: True for a cylinder: the pads close on any side around its axis.
+        base_T_hand: (4, 4) pose of the hand around the object.
+        base_T_object: (4, 4) pose of the object, as measured before.
+        is_round: True for a cylinder, which the pads do not turn about its axis.
     """
     hand_T_object = inverse(base_T_hand) @ base_T_object
     axis = hand_T_object[:3, 2]

@@ -42,11 +42,11 @@ def offering_joints(
     hand is preferred behind or above the object, so that a person can take hold of it.
 
     Args:
-        robot: its arm may be anywhere.
+        robot: robot with its arm in any posture.
         kind: kind of the held object.
         hand_T_object: (4, 4) pose of the held object.
         height_m: wanted height of the middle of the object over the floor, in [m].
-        around: bodies that the arm must not touch, in the base frame.
+        around: obstacles for the arm, in the base frame.
     """
     held = held_box(kind, hand_T_object)
     collision, here = collision_model(robot, held, around), robot.arm.command()

@@ -40,7 +40,7 @@ LIMIT_MARGIN = 0.01  # in [rad] or [m], of a joint from its limit
 
 
 class PlannedPlacing(NamedTuple):
-    """A goal with a posture above it, from which a straight free line leads down."""
+    """Planned placing of an object, by a straight free line down to its goal from a posture above it."""
 
     base_T_object: Transform
     """Pose (4, 4) of the object at the goal."""
@@ -62,7 +62,10 @@ class _PlacingModels(NamedTuple):
 
 
 def goals_on(surface: ObjectSurface, spot: str | None) -> list[Transform]:
-    """Return map_T_object (4, 4) at a spot of a surface, or in its middle; in any heading if any will do."""
+    """Return the goal poses map_T_object (4, 4) at a spot of a surface, or in the surface's middle.
+
+    There are several, with different headings, if the heading is free.
+    """
     if spot is None or spot not in surface.spots:
         return turned(surface.floor, surface.height_m, True)
     named = surface.spots[spot]
@@ -70,21 +73,26 @@ def goals_on(surface: ObjectSurface, spot: str | None) -> list[Transform]:
 
 
 def turned(place: Pose2, height: float, any_heading: bool) -> list[Transform]:
-    """Return poses (4, 4) of an object's foot at a place, in its heading or in several all around.
+    """Return poses (4, 4) of an object's foot at a place, with the place's heading or with several ones.
 
     Args:
         place: position and heading, in any frame.
         height: height of the foot in this frame, in [m].
-        any_heading: True for several headings, False for that of the place.
+        any_heading: True for headings all around, False for only that of the place.
     """
     turns = ANY_TURNS_RAD if any_heading else (0.0,)
     return [Pose2(place.x, place.y, place.theta + turn).lift(height) for turn in turns]
 
 
 def showing_tags(goals: Sequence[Transform], tags: Sequence[PrintedTag]) -> list[Transform]:
-    """Return the goals base_T_object (4, 4) at which a tag faces upwards or the robot; all if none does.
+    """Return those of the goals at which one of the object's tags faces upwards or the robot.
 
-    Elsewhere the camera could not verify the object's pose.
+    At other goals the camera could not verify the object's pose. All goals are returned if there are no such
+    goals.
+
+    Args:
+        goals: base_T_object (4, 4) of the goals.
+        tags: tags on the object.
     """
     normals = [transform(rpy=FACE_TURNS[tag.face])[:3, 2] for tag in tags]
     shown = [
@@ -103,15 +111,15 @@ def plan_placing(
     around: Sequence[Solid],
     width: float | None = None,
 ) -> PlannedPlacing | None:
-    """Return the placing with the best clearance among goals; None if none is free.
+    """Return the plan to place an object at that goal where the clearance is best; None if no goal is free.
 
     Args:
-        robot: robot that holds the object, or will.
+        robot: robot that holds the object, or will hold it.
         kind: kind of the object.
         hand_T_object: (4, 4) pose of the held object.
         goals: base_T_object (4, 4) of allowed poses at the goal.
-        around: bodies that arm and object must not touch, in the base frame.
-        width: opening of the fingers that hold the object, in [m]; None: as it is now.
+        around: obstacles for arm and object, in the base frame.
+        width: opening of the fingers that hold the object, in [m]; None: the present one.
     """
     arm = _with_hand(robot, robot.gripper.width() if width is None else width)
     collision = CollisionModel(arm, around, held_box(kind, hand_T_object), margin=ARM_MARGIN_M)
@@ -180,14 +188,16 @@ def _can_withdraw(
 
 
 def withdrawn(base_T_hand: Transform) -> Transform:
-    """Return base_T_hand (4, 4) after the hand has withdrawn from an object that it released at a pose (4,
-    4).
+    """Return the pose base_T_hand (4, 4) of a hand after its withdrawal from an object.
+
+    Args:
+        base_T_hand: (4, 4) pose of the hand when it released the object.
     """
     return np.asarray(base_T_hand @ transform((-WITHDRAWAL_M, 0.0, 0.0)))
 
 
 def free_spots(surface: ObjectSurface, radius: float, near: tuple[float, float]) -> list[tuple[float, float]]:
-    """Return spots on the map where a foot of a radius is wholly on a surface, those near a point first.
+    """Return spots on the map at which an object's foot is completely on a surface, those near a point first.
 
     Args:
         surface: the surface.

@@ -27,8 +27,9 @@ PUSHING_COSINE = -math.cos(math.radians(45.0))  # between a force and the way ou
 class PullWatch:
     """Detector of a person's pull, which it distinguishes from bumps, tremor, pushes and weight.
 
-    A pull is a force, in addition to that at rest, that lasts: over `PULL_TIME_S` its mean is at least as
-    strong as the least pull, and each reading is along it. A force towards the robot is a push, not a pull.
+    A pull is a lasting force, in addition to the force at rest. Its mean over `PULL_TIME_S` must be at least
+    the least pull, and every reading must be in the direction of the mean. A force towards the robot is a
+    push, not a pull.
     """
 
     def __init__(self, robot: Robot, least_n: float) -> None:
@@ -43,10 +44,11 @@ class PullWatch:
         """Measure the force at rest, with nobody near.
 
         Args:
-            weight_n: weight of what the hand holds, in [N]; None if it is unknown.
+            weight_n: weight of the held object, in [N]; None if it is unknown.
 
         Raises:
-            Discrepancy: its noise hides the least pull, or it isn't the weight: somebody pulls already.
+            Discrepancy: the force's noise would hide the least pull, or the force differs from the weight
+                because somebody pulls already.
         """
         mean, self._sigma = yield from self._readings()
         beside = 0.0 if weight_n is None else float(np.linalg.norm(mean + np.array([0.0, 0.0, weight_n])))
