@@ -62,9 +62,7 @@ class FileError(InputError):
 
 
 class UnsafePath(InputError):
-    """Error of a path in a file that is absolute, leads out of its root or is not a portable relative
-    path.
-    """
+    """Error, because a path in a file is absolute, leads out of its root folder, or is not portable."""
 
     def __init__(self, path: str, reason: str) -> None:
         self.path = path

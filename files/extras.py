@@ -30,7 +30,7 @@ def extra_of(error: ImportError) -> str | None:
 
 
 def lack(who: str, extra: str) -> str | None:
-    """Return why a part of handcart can't be used: modules of an extra are missing, and how to install them.
+    """Return a message that modules of an extra are missing for a part of handcart, and how to install them.
 
     Args:
         who: name of the part in the message.

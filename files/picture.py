@@ -34,7 +34,7 @@ class Grey(NamedTuple):
 
 
 def read_grey(path: Path, max_pixels: int = MAX_PIXELS) -> Grey:
-    """Return the grey levels of a picture; of 16 bits the upper eight.
+    """Return the grey levels of a picture, with 8 bits; of levels with 16 bits, the upper eight are used.
 
     Args:
         path: the picture.

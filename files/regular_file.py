@@ -26,8 +26,11 @@ _CONTROL = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufff
 def read_regular_file(path: Path | str, max_bytes: int) -> bytes:
     """Return the bytes of the regular file `path`.
 
-    Raises `FileError` for a missing file, a directory, a pipe, a device, one that may not be read and one
-    of more than `max_bytes`, which is not read at all. A pipe without a writer is not waited for.
+    A pipe without a writer is not waited for.
+
+    Raises:
+        FileError: the path is missing or may not be read; is a directory, pipe or device; or the file has
+            more than `max_bytes`, and is then not read at all.
     """
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY)

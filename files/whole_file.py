@@ -23,7 +23,7 @@ def write_whole(path: Path, content: bytes | str, *, sync: bool = True, private:
         private: whether only its owner may read a new file.
 
     Raises:
-        OSError: it cannot be written, or the existing file is not a regular one; nothing has changed.
+        OSError: the file cannot be written, or the existing one is not a regular file; nothing has changed.
     """
     raw = content.encode() if isinstance(content, str) else content
     mode = _mode(path)

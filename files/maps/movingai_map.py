@@ -34,7 +34,7 @@ def read_movingai(path: Path) -> Int8Array:
     The bottom is the last row of the file.
 
     Raises:
-        FileError: the file can't be read, or isn't such a map; with the line.
+        FileError: the file cannot be read, or is not a Moving AI map; with the line of the fault.
     """
     file = str(path)
     lines = decode_text(read_regular_file(path, MAX_BYTES), file, longest_line=None).splitlines()

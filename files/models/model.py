@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class FileModel(BaseModel):
-    """Base class of a mapping in a file; unknown keys are errors."""
+    """Base class of pydantic models for mappings in YAML files; unknown keys are errors."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True, validate_default=True

@@ -36,7 +36,7 @@ class SchemaPlace:
 
 
 class SchemaWalk:
-    """Look-up of places and descriptions in the schema of one model."""
+    """Look-up, in the schema of one pydantic model, of the values that a place in a file may have."""
 
     def __init__(self, schema: Schema) -> None:
         self._root = schema

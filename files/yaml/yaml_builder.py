@@ -22,8 +22,8 @@ _HALVES = re.compile("[\ud800-\udfff]")
 class TreeBuilder:
     """Builder of a file's tree from the parser's events; `root` is the tree after the last event.
 
-    `take` raises `FileError` where it cannot continue (too deep, too many, a second document); everything
-    else is collected in `findings`.
+    `take` raises `FileError` at a fault after which it cannot continue: values nested too deeply, too many
+    values, or a second document. All other faults are collected in `findings`.
     """
 
     def __init__(self, file: str, max_nodes: int) -> None:
@@ -61,7 +61,7 @@ class TreeBuilder:
                 self._document(event)
 
     def tree(self) -> Node:
-        """Return the tree after all events; raises `FileError` with all faults of it."""
+        """Return the tree after all events; raises `FileError` with all faults that were found."""
         self.findings.raise_all()
         if self.root is None or self.root.content is None:
             raise FileError([Finding(self.file, 1, 1, "the file is empty; allowed: keys with values")])

@@ -51,7 +51,7 @@ class Document:
 
     @cached_property
     def data(self) -> Any:
-        """Values as dict, list, str, int, float, bool and None; do not change them."""
+        """Content of the file as dict, list, str, int, float, bool and None, which must not be changed."""
         return self.root.plain()
 
     @property

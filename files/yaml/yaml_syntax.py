@@ -27,7 +27,7 @@ _MARKED_AT_THEIR_BEGINNING = ("could not find expected ':'", "found unexpected e
 
 
 def syntax_error(file: str, error: Exception, latest_mark: Any) -> FileError:
-    """Return the error of a YAML parser as one with a finding in plain words.
+    """Return a `FileError` that describes the error of a YAML parser in plain words.
 
     Args:
         file: name of the file in messages.

@@ -49,7 +49,7 @@ class ActionTable(FileModel):
 
 
 def table_errors(loaded: Loaded[ActionTable]) -> list[Finding]:
-    """Return the errors of a table: references to missing rows, and a Fail that changes facts."""
+    """Return the errors of a table: references to missing rows, and Fails that change physical facts."""
     table = loaded.value
     findings = []
     for number, row in table.rows.items():

@@ -56,7 +56,7 @@ class Influence:
 
 @dataclass(frozen=True)
 class Figures:
-    """Exact figures on how runs of a task end."""
+    """Forecast of how runs of a task end, with the influence of each action on it."""
 
     forecast: Forecast
     influences: tuple[Influence, ...]

@@ -65,7 +65,7 @@ def forecast(network: ActionNetwork, chances: Chances) -> Forecast:
 
     Args:
         network: the network.
-        chances: outcome probabilities of each action, by its number; None for a skip.
+        chances: outcome probabilities of each action, by its number; None if it skips an element.
 
     Raises:
         TooLarge: a part of the network has too many states.
@@ -86,7 +86,7 @@ class Forecaster:
 
         Args:
             network: the network.
-            chances: the outcome probabilities of each action, by its number; None for a skip.
+            chances: the outcome probabilities of each action, by its number; None if it skips an element.
             effort: budget of all forecasts together; None: `budget_of`.
         """
         self._chances = chances

@@ -39,7 +39,7 @@ class _Use(NamedTuple):
 
 
 def hand_findings(task: Task) -> list[Finding]:
-    """Return the actions whose precondition on the hand cannot hold, whichever route a run takes to them.
+    """Return findings on actions whose precondition on the hand never holds, whichever route a run takes.
 
     The content of the hand follows from the facts of the situations, and from the declarations of the
     primitives of earlier actions.

@@ -20,7 +20,7 @@ class Longest(NamedTuple):
     """Most actions of runs that end in the part, short of its goal."""
 
     def then(self, rest: Longest) -> Longest:
-        """Return the longest run through this part and then through another one."""
+        """Return the largest numbers for runs that first pass this part, and from its goal on `rest`."""
         return Longest(self.through + rest.through, max(self.ended, self.through + rest.ended))
 
 

@@ -109,8 +109,9 @@ def unused_findings(task: Task, cases: WorstCases, best: Collection[int] | None 
 
 
 def short_findings(task: Task, cases: WorstCases) -> list[Finding]:
-    """Return findings where runs can end short of the goal, each placed at the last Fail of the shortest
-    path.
+    """Return a finding for each situation in which a run can end short of the goal.
+
+    It is placed at the last action that Fails on the shortest path of a run to this situation.
     """
     found: dict[str, Finding] = {}
     for item in cases.short:

@@ -9,11 +9,11 @@ import numpy as np
 
 
 class NeverEnds(Exception):
-    """Error in a chain that can run forever without absorption."""
+    """Error, because a Markov chain can run forever without reaching an absorbing state."""
 
 
 class Absorption(NamedTuple):
-    """Ends of an absorbing chain, and its number of steps."""
+    """Probabilities of an absorbing Markov chain's ends, with mean and sigma of its number of steps."""
 
     ends: dict[str, float]
     """Probability of each absorbing state."""
@@ -24,11 +24,11 @@ class Absorption(NamedTuple):
 
 
 def absorption(rows: Mapping[str, Mapping[str, float]], start: str) -> Absorption:
-    """Return the absorption of a chain that begins in `start`.
+    """Return the probabilities of the ends of a Markov chain from `start`, and its number of steps.
 
-    Kemeny and Snell, Finite Markov Chains (1960), chapter 3: with Q the transitions among transient states
-    and R those into absorbing ones, N = (I - Q)^-1, the ends are N R, the steps t = N 1, their variance (2
-    N - I) t - t².
+    The method is that of Kemeny and Snell, Finite Markov Chains (1960), chapter 3. Q holds the transitions
+    among transient states, R those into absorbing ones, and N = (I - Q)^-1. Then the ends are N R, the steps
+    t = N 1, and their variance is (2 N - I) t - t².
 
     Args:
         rows: for each transient state, the probability of each state that follows; a state without a row

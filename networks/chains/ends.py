@@ -36,7 +36,7 @@ class Ends(NamedTuple):
         return short.plus(rest.after(self.goal)).plus(rest.with_a_skip().after(self.skipped))
 
     def with_a_skip(self) -> Ends:
-        """Return the ends of the same runs if an element was skipped earlier; `goal` is part of `skipped`."""
+        """Return the ends of the same runs if an element was skipped before; `goal` is added to `skipped`."""
         return Ends(NEVER_REACHED, self.goal + self.skipped, self.no_way, self.give_up, self.unknown)
 
     def total(self) -> Moments:

@@ -45,7 +45,7 @@ class LinearSolver:
             transposed: True for the equations with the transposed matrix.
 
         Returns:
-            The shape of `right`.
+            The solution, with the shape of `right`.
         """
         solution: FloatArray
         if self._inverse is None:

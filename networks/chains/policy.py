@@ -20,7 +20,7 @@ DEFAULT_MAX_STEPS = 500_000
 STEPS_PER_ACTION = 400
 """Further budget for each action of the network."""
 Chances = Sequence[Chance | None]
-"""Outcome probabilities of each action by its number; None for a skip, which always succeeds."""
+"""Outcome probabilities of each action by its number; None if it skips an element, which always succeeds."""
 
 
 def budget_of(network: ActionNetwork) -> int:
@@ -117,8 +117,8 @@ def visited(
     Args:
         network: the network.
         begin: state in which the runs begin.
-        step: returns the decision in a state, None for a state that is to be left out; a `TooMuch` that
-            it raises ends the visit. In both cases the result is not complete.
+        step: function that returns the decision in a state; None for a state to be left out. If it raises
+            `TooMuch`, no further state is visited. In both cases the result is not complete.
     """
     steps: dict[State, Step] = {}
     visit = _Visit(network, steps)
@@ -168,7 +168,7 @@ def likely_policy(network: ActionNetwork, chances: Chances, effort: Effort, star
 
     Args:
         network: the network.
-        chances: outcome probabilities of each action; None for a skip.
+        chances: outcome probabilities of each action; None if it skips an element.
         effort: budget; when it is spent, the states found so far are returned, as an incomplete policy.
         start: state in which the runs begin.
     """

@@ -26,7 +26,7 @@ class RouteWalk:
 
         Args:
             network: the network.
-            chances: outcome probabilities of each action; None for a skip.
+            chances: outcome probabilities of each action; None if it skips an element.
             maker: maker of single steps, for routes of the same cost.
             codes: rows of the states.
         """

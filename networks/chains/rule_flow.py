@@ -75,7 +75,7 @@ class RuleFlow:
 
         Args:
             network: the network.
-            chances: outcome probabilities of each action; None for a skip.
+            chances: outcome probabilities of each action; None if it skips an element.
             effort: budget of the flow.
         """
         self._network, self._effort = network, effort

@@ -56,7 +56,7 @@ class Step(NamedTuple):
 
     @property
     def all_failed(self) -> tuple[State | None, ...]:
-        """States after a Fail of the action, first for causes not in `fail_endings`, then for each in it."""
+        """States after a Fail of the action, first for unnamed causes, then by `Action.fail_endings`."""
         return (self.failed, *self.failed_by)
 
 

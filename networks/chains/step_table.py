@@ -23,7 +23,7 @@ class StepTable:
 
         Args:
             network: the network.
-            chances: outcome probabilities of each action; None for a skip.
+            chances: outcome probabilities of each action; None if it skips an element.
         """
         self._network, self._spent = network, Effort(math.inf)
         self._maker = StepMaker(network, False, self._spent, chances)

@@ -86,7 +86,7 @@ class Coordinator:
         self._aims = _aim_watch(robot, network, standing, clock)
 
     def request(self, what: Request, number: int | None = None) -> bool:
-        """Request a pause, a stop or another of `Request`, as `ask` does; return whether it was accepted."""
+        """Make a request to the run, as `ask` does, and return whether it was accepted."""
         return not self.ask(what, number)
 
     def ask(self, what: Request, number: int | None = None) -> str:
@@ -349,9 +349,10 @@ class Coordinator:
         self._log.restoring(action, reason)
 
     def broken_off(self, reason: str, outcome: RunOutcome = "Error") -> RunEnd:
-        """Journal and return the end of a run that a fault broke off, after the robot has been stopped.
+        """Write the end of a run that a fault broke off to the journal, and return it.
 
-        `outcome` is Error for a fault of the program or of the journal, GiveUp for a fault of the robot.
+        The robot must have been stopped before. `outcome` is Error for a fault of the program or of the
+        journal, and GiveUp for a fault of the robot.
         """
         if self._log.open and outcome == "Error":
             reason = f"{reason}; how action {self.running} ended is not in the journal for good"

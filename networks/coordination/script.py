@@ -50,7 +50,7 @@ class Imagined:
     """Description of each action, one line each."""
 
     def summary(self) -> dict[str, Any]:
-        """Return the result as plain fields for programs."""
+        """Return the result as fields that can be written as JSON."""
         return {
             "outcome": self.outcome,
             "situation": self.situation,
@@ -62,7 +62,7 @@ class Imagined:
 
 
 def load_script(path: Path) -> Script:
-    """Load a script's file; raises `FileError`."""
+    """Load a file with scripted outcomes; raises `FileError` if it is missing or invalid."""
     return load(path, Script)
 
 

@@ -102,7 +102,7 @@ class Supervision:
         """Requests that were taken and not applied, because their action was over, in words."""
 
     def ask(self, request: Request, number: int | None = None) -> str:
-        """Accept a request, to be honoured at the next period. Safe in a signal handler.
+        """Accept a request, which is followed in the next period; may be called in a signal handler.
 
         Args:
             request: the request. A stop is always accepted, and precedes all other requests.
@@ -188,7 +188,7 @@ class Supervision:
             return ended
 
     def between_actions(self) -> None:
-        """Honour requests while no action runs; a pause waits for the next action.
+        """Follow requests while no action runs; a requested pause waits until the next action has started.
 
         Raises:
             Interrupted: the end of the run was requested; the robot was commanded to stop.

@@ -68,7 +68,7 @@ class WorldWatch:
         return self._stood if self._moved(self._stood, now) else None
 
     def situation(self, here: str, stood: Snapshot, now: Snapshot) -> str | None:
-        """Return the earlier situation that holds now that the robot was moved; None if none can be shown to.
+        """Return the earlier situation that holds again after the robot was moved; None if it is uncertain.
 
         Only the base may have moved, to its pose in the returned situation. Except for the fact `base`, the
         facts of that situation are those of `here`. Of several, it is the latest.

@@ -23,11 +23,12 @@ BEST_STEPS, RULE_STEPS = 60_000.0, 20_000.0
 
 
 class BeliefPlanner(BestPlanner):
-    """Planner that learns outcome probabilities during a run, and leaves the rule where a policy is better.
+    """Planner that learns outcome probabilities during a run, and with them chooses between two policies.
 
     Beliefs are distributions of the probabilities, updated by each Success and Fail and kept from round to
     round. For each plan, probabilities are drawn from them many times. The best policy of the task's file is
-    followed if it costs less than the rule in 95 % of the draws, and the rule otherwise.
+    followed if it costs less than the rule in 95 % of the draws. Otherwise the rule is followed, which takes
+    the cheapest route.
     """
 
     def __init__(self, network: ActionNetwork, prior: BeliefPrior, name: PolicyName) -> None:
@@ -71,7 +72,7 @@ class BeliefPlanner(BestPlanner):
     def verdict(self, situation: str) -> SwitchVerdict:
         """Return whether the best policy costs less than the rule, for the rest of a run.
 
-        It is judged by the present beliefs about the outcome probabilities.
+        The rule takes the cheapest route. The costs are those by the present beliefs about probabilities.
 
         Args:
             situation: the run's present situation.

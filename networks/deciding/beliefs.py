@@ -73,14 +73,15 @@ class Beliefs:
         return tuple((entry, *self.weights(entry)[:2]) for entry in sorted(self._seen))
 
     def chances(self) -> list[Chance | None]:
-        """Return the mean outcome probabilities of each action of the network; None for a skip."""
+        """Return the mean outcome probabilities of each action; None if the action skips an element."""
         known = {entry: _mean(self.weights(entry)) for entry in self._prior}
         return [known.get(entry) for entry in self._entries]
 
     def drawn(self, seed: int = 0) -> list[list[Chance | None]]:
-        """Return `DRAW_COUNT` random draws of the outcome probabilities of all actions; None for a skip.
+        """Return `DRAW_COUNT` random draws of the outcome probabilities of all actions of the network.
 
-        They come from the beliefs' Dirichlet distributions; the same seed and beliefs give the same draws.
+        They come from the beliefs' Dirichlet distributions; the same seed and beliefs give the same draws. An
+        action that skips an element has None.
         """
         order = list(self._prior)
         draws = np.random.default_rng([31, seed])

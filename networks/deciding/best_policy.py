@@ -41,7 +41,7 @@ class BestPolicy:
 
         Args:
             network: the network.
-            chances: outcome probabilities of each action; None for a skip.
+            chances: outcome probabilities of each action; None if it skips an element.
             name: what is best: `expected_cost` or `goal_probability`.
             person_s: price of each end short of the goal, in [s].
             effort: budget; None: twice `budget_of`.
@@ -66,7 +66,7 @@ class BestPolicy:
         """Return a best policy for other outcome probabilities, of which no decision is computed yet.
 
         Args:
-            chances: outcome probabilities of each action; None for a skip.
+            chances: outcome probabilities of each action; None if it skips an element.
             effort: budget for computing decisions.
         """
         other = copy(self)
@@ -78,7 +78,7 @@ class BestPolicy:
     def is_rule_better(self, forecaster: Forecaster | None = None) -> bool:
         """Return whether the rule costs less than the policy that was found within the budget.
 
-        Only an unfinished search can find a policy that is worse than the rule.
+        The rule takes the cheapest route. Only an unfinished search can find a policy that is worse.
 
         Args:
             forecaster: forecaster of the same network and probabilities; None: a new one.

@@ -82,11 +82,11 @@ def comparison(
     name: PolicyName = "expected_cost",
     forecaster: Forecaster | None = None,
 ) -> PolicyComparison:
-    """Compare the rule with the best policy.
+    """Compare the rule, which takes the cheapest route, with the best policy.
 
     Args:
         network: the network.
-        chances: outcome probabilities of each action; None for a skip.
+        chances: outcome probabilities of each action; None if it skips an element.
         name: what is best: `expected_cost` or `goal_probability`.
         forecaster: forecaster of the same network; None: a new one.
     """

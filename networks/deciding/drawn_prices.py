@@ -50,7 +50,7 @@ class DrawnPrices:
 
         Args:
             process: the network with its prices.
-            draws: outcome probabilities of each action in each draw; None for a skip.
+            draws: outcome probabilities of each action in each draw; None if it skips an element.
         """
         self._process, self._draws = process, draws
         self._actions: dict[int, DrawnAction] = {}

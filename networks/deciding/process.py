@@ -40,7 +40,7 @@ class Process:
 
         Args:
             network: the network.
-            chances: outcome probabilities of each action; None for a skip.
+            chances: outcome probabilities of each action; None if it skips an element.
             person_s: price of an end short of the goal for each element of a `repeat` that it leaves undone,
                 in [s]; without a `repeat`, that of an end.
         """
@@ -61,7 +61,7 @@ class Process:
         self._undone = self._elements_left()
 
     def believing(self, chances: Chances) -> Process:
-        """Return the same network with other probabilities."""
+        """Return the same process with other outcome probabilities of the actions."""
         other = copy(self)
         other.chances = chances
         return other

@@ -60,7 +60,7 @@ class StateTable:
 
     @property
     def states(self) -> Uint16Array:
-        """(states, 1 + counters) all states."""
+        """(states, 1 + counters) rows of all states, as in `StateRows`."""
         return self._states.all
 
     @property
@@ -85,7 +85,7 @@ class StateTable:
 
     @property
     def transitions(self) -> int:
-        """Number of transitions."""
+        """Number of transitions from all expanded states."""
         return len(self._p.all)
 
     def number(self, key: bytes) -> int | None:
@@ -158,7 +158,7 @@ class StateTable:
         self.low[unable] = self.stop[unable]
 
     def choices(self, values: FloatArray) -> Choices:
-        """Return the best option of each state.
+        """Return the best option (action) of each state, and its cost, for assumed costs of later states.
 
         Args:
             values: (states,) assumed least expected cost from each state on, in [s].

@@ -69,7 +69,7 @@ class FoldedNetwork:
     goal: Spot
 
     def spot(self, situation: str) -> Spot:
-        """Return the spot that contains a situation of the network."""
+        """Return the drawn situation (spot) that contains a situation of the network, given by its name."""
         return next(item for item in self.spots if situation in item.members)
 
 

@@ -43,7 +43,7 @@ class Point(NamedTuple):
 
 
 class Layers(NamedTuple):
-    """Positions of all boxes and edges."""
+    """Positions of all boxes and edges of a drawing, in which edges lead from column to column."""
 
     width: float
     """Width in [px], with half a gap on the left and on the right."""

@@ -47,7 +47,7 @@ class Text(NamedTuple):
 
 
 class DrawnBox(NamedTuple):
-    """A situation or an action; x and y are its upper left corner, in [px]."""
+    """Box of a situation or an action in a drawing; x and y are its upper left corner, in [px]."""
 
     x: float
     y: float
@@ -79,7 +79,7 @@ class DrawnLink(NamedTuple):
     arrow: bool
 
     def curves(self) -> Iterator[tuple[Point, Point, Point]]:
-        """Yield for each stretch its two control points and its end (cubic Bézier)."""
+        """Yield for each segment its two control points and its end (cubic Bézier)."""
         for number, (p, q) in enumerate(pairwise(self.points)):
             if number % 2 == 0:
                 yield p, q, q

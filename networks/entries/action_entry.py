@@ -73,7 +73,7 @@ class ActionEntry(TaskEntry):
 
     @property
     def fail_entries(self) -> dict[str, FailEntry]:
-        """Results of Fails, by the name of their cause."""
+        """Entries of `on_fail` for Fails of named causes, by the cause's name."""
         return {cause: entry for cause, entry in self._by_cause.items() if cause != OTHER_CAUSES}
 
     @property

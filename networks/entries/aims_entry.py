@@ -22,7 +22,7 @@ _TIME_OF_DAY = re.compile(r"(?:[01][0-9]|2[0-3]):[0-5][0-9](?::[0-5][0-9])?", re
 
 
 def read_time_of_day(text: Any) -> time:
-    """Return a time of day, written like 17:30 or 17:30:05; raises ValueError."""
+    """Return a time of day, written like 17:30 or 17:30:05; raises ValueError for any other text."""
     if isinstance(text, str) and _TIME_OF_DAY.fullmatch(text):
         return time.fromisoformat(text)
     allowed = '"HH:MM" or "HH:MM:SS", from "00:00" to "23:59:59"'
@@ -60,7 +60,7 @@ class RoundsEntry(FileModel):
 
 
 class DueEntry(FileModel):
-    """Condition of an interrupt: `every_s`, `at` or `battery_below_percent`."""
+    """Condition under which an interrupt (a goal that comes before the task's goal) is due."""
 
     every_s: Seconds | None = None
     """Time after which it is due again."""
@@ -123,7 +123,7 @@ class AimsHead(FileModel):
     """Repetition of a task that ends where it began: a number, `forever`, or `most`, `every_s` and `at`."""
 
     def aims(self, entries: Sequence[InterruptEntry], goals: Callable[[int], Sequence[str]]) -> Aims:
-        """Return the aims of the network.
+        """Return the aims of the network, which are time-out, rounds and interrupts.
 
         Args:
             entries: the file's interrupts.

@@ -31,7 +31,7 @@ class ConditionEnding(EndingChance):
 
 
 class ConditionFail(FailChance):
-    """Facts that a Fail of one cause makes known."""
+    """Entry of `on_fail`, with the facts that the robot knows after a Fail of one cause."""
 
     known: Annotated[dict[str, Fact], Field(default_factory=dict)]
     """Facts that the robot then knows (default: nothing new)."""
@@ -63,7 +63,7 @@ class ConditionEntry(TaskEntry):
 
     @cached_property
     def endings(self) -> list[ConditionEnding]:
-        """The effects that Success may have, the usual one first."""
+        """Effects that Success may have, in the order of the file."""
         if isinstance(self.then, dict):
             return [ConditionEnding.model_validate({**self.then, "p": self.p})]
         return self.then

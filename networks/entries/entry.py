@@ -50,7 +50,7 @@ class FailChance(FileModel):
 
 
 class TaskEntry(FileModel):
-    """Keys of an action apart from its situations, such as primitive, cost, attempts and probabilities."""
+    """Keys of an action in a task file apart from its situations, such as primitive, cost and attempts."""
 
     do: str
     """Name of the primitive."""
@@ -119,5 +119,5 @@ class TaskEntry(FileModel):
 
 
 def listed_names(names: str | list[str] | None) -> tuple[str, ...]:
-    """Return one name or several as a tuple."""
+    """Return a name, or a list of names, as a tuple; None gives an empty one."""
     return (names,) if isinstance(names, str) else tuple(names or ())

@@ -39,7 +39,7 @@ class Started:
 
 @dataclass(frozen=True)
 class Restoring:
-    """Event: the running action begins to restore the state from before it."""
+    """Event: the running action begins to restore the state that it found at its start."""
 
     time: float
     action: Action

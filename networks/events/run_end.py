@@ -12,7 +12,7 @@ _STATUS: dict[RunOutcome, int] = {"Success": 0, "Fail": 3, "GiveUp": 4, "Error":
 
 @dataclass(frozen=True)
 class RunEnd:
-    """The end of a run, in words for people and in fields for programs."""
+    """End of a run, with its outcome, the reason in words, and numbers of actions and Fails."""
 
     outcome: RunOutcome
     situation: str

@@ -25,13 +25,13 @@ class RunObserver:
         """Handle the begin, or the resume, of a run in a folder."""
 
     def period(self, robot: Robot) -> None:
-        """Handle the end of a period."""
+        """Handle the end of a control period of the robot."""
 
     def event(self, event: Event) -> None:
         """Handle an event; its contents are in the journal."""
 
     def end(self) -> None:
-        """Handle the last call: the run has ended, or could not continue. Called once."""
+        """Finish observing after the run has ended or could not continue; called once."""
 
     def figures(self, end: RunEnd) -> Mapping[str, Any]:
         """Return figures of a run that has ended, to be added to the `metrics` of its result.

@@ -33,7 +33,10 @@ class Attempts(NamedTuple):
         return MAX_ATTEMPTS + 1 if self.unlimited else self.limit
 
     def fails(self, count: int) -> int:
-        """Return the Fails since the last renewal; at most `MAX_ATTEMPTS` are counted if unlimited."""
+        """Return the Fails since the last renewal, from a run's count of Fails and renewals.
+
+        With unlimited attempts, at most `MAX_ATTEMPTS` are counted.
+        """
         return count % self.width
 
     def is_out(self, count: int) -> bool:

@@ -25,7 +25,7 @@ class BeliefPrior(NamedTuple):
         Args:
             attempts: number of attempts that the file's probabilities count for; None if a run does not learn
                 probabilities.
-            entries: number in the file of each action of the network; None for a skip.
+            entries: number in the file of each action of the network; None if it skips an element.
 
         Returns:
             The prior; None if `attempts` is None.

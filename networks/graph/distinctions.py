@@ -10,7 +10,7 @@ MAX_VALUE_LENGTH = 24
 
 
 class SiblingAction(NamedTuple):
-    """Properties of an action by which it is compared with others."""
+    """Properties of an action that decide which other actions are like it, and how it differs from them."""
 
     do: str
     source: str

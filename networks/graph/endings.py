@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Ending:
-    """A further situation that a Success of an action may lead to, decided by what it measured."""
+    """A further situation that a Success of an action may lead to, for one of the action's results."""
 
     target: str
     result: str = ""

@@ -46,8 +46,9 @@ class NetworkError(InputError):
 
 
 class NotBound(Exception):
-    """Error of a late-bound parameter without a fitting value; the action counts as failed before it
-    starts.
+    """Error, because the world model has no valid value for an action's parameter.
+
+    The action counts as failed before it starts.
     """
 
 
@@ -207,7 +208,7 @@ class Action:
 
     @property
     def do(self) -> str:
-        """The primitive's name in files, SKIP for a skip."""
+        """The primitive's name in files; SKIP if the action only skips an element of a `repeat`."""
         return self.binding.label if self.binding else "SKIP"
 
     @property

@@ -79,7 +79,7 @@ class RunDecisions:
 
     @property
     def goal(self) -> str:
-        """The situation that is pursued: the goal, that of an interrupt, or one of `otherwise`."""
+        """The situation that is pursued, which is the goal, that of an interrupt, or one of `otherwise`."""
         return self._first[-1][0] if self._first else (self._goals or [self.network.goal])[0]
 
     @property
@@ -208,7 +208,7 @@ class RunDecisions:
         Args:
             reason: reason in words.
             permanent: True if the Fail uses up all attempts of the action.
-            cause: name of its `CauseKind`, which may decide the situation.
+            cause: name of the Fail's `CauseKind`, which may decide the situation.
         """
         action = self.next
         self.taken += 1

@@ -147,7 +147,7 @@ class Journal:
             The record's number, from 0.
 
         Raises:
-            JournalError: disk full, file gone, or an earlier record could not be written.
+            JournalError: the disk is full, the file is gone, or an earlier record could not be written.
         """
         number = self._next
         try:
@@ -175,7 +175,7 @@ class Journal:
         With `beside` another thread writes them to the disk, so that it becomes True after a moment.
 
         Raises:
-            JournalError: they cannot be brought to the disk; the journal is poisoned.
+            JournalError: the records cannot be brought to the disk; every further record raises it, too.
         """
         try:
             return self._disk is None or self._disk.done

@@ -23,7 +23,10 @@ Record = Mapping[str, Any]
 
 
 class NeedsOperator(HandcartError):
-    """Error, because a run cannot be resumed before a person has decided something. Exit status 6."""
+    """Error, because a person has to check or acknowledge something before a run is resumed.
+
+    The exit status is 6.
+    """
 
     exit_status = 6
 

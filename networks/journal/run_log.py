@@ -47,7 +47,7 @@ _NOTHING: Mapping[str, Any] = {}
 
 
 class RunLog(Intents):
-    """Log that counts the events of a run, journals them and notifies the observers."""
+    """Log of a run's events, which counts them, writes them to the journal and notifies observers."""
 
     def __init__(
         self,
@@ -123,12 +123,12 @@ class RunLog(Intents):
         return self._journal is None or self._journal.durable
 
     def restoring(self, action: Action, reason: str) -> None:
-        """Log that the running action restores."""
+        """Log that the running action begins to restore the state that it found at its start."""
         self._write("RESTORE", records.Restore(n=self.started, reason=reason))
         self._tell(lambda: Restoring(self._robot.time, action, reason))
 
     def result(self, primitive: ActionPrimitive, outcome: Outcome, at: Snapshot | None = None) -> None:
-        """Log that an action has ended, and keep a checkpoint of a simulated run if one is wanted.
+        """Log that an action has ended, after writing a checkpoint of the run if checkpoints are kept.
 
         Observers are notified later, by `result_kept`.
 

@@ -40,6 +40,11 @@ class NotAnswering(HandcartError):
 def ask(folder: Path, message: Mapping[str, Any], patience: float = ANSWER_TIMEOUT_S) -> dict[str, Any]:
     """Send a message to the run that is alive in a folder, and return its answer.
 
+    Args:
+        folder: folder of the run.
+        message: command with its arguments, such as `{"do": "status"}`.
+        patience: maximum time to wait for the answer, in [s].
+
     Raises:
         NotAlive: no run is alive there.
         ClosedToYou: the folder may not be used.

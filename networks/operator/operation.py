@@ -74,7 +74,7 @@ class Operation(RunObserver):
         return {"ok": True, **self.status()}
 
     def status(self) -> dict[str, Any]:
-        """Return the state of the run."""
+        """Return the state of the run, as fields for the answer to a command."""
         asks = self._permits.asks
         question = None if asks is None else {**_words(asks), "ask": self._permits.asked}
         return {

@@ -45,7 +45,7 @@ class JournaledNetwork:
 
     @cached_property
     def values(self) -> RunOptionValues:
-        """Expected results of the network's actions, shared by all explanations of a run."""
+        """Computation of the expected results of the network's actions, kept for all decisions of a run."""
         return RunOptionValues(self.network)
 
 

@@ -117,7 +117,7 @@ def read_run(folder: Path | str) -> PastRun:
 
     Raises:
         NoRun: the journal is missing or of another format, or an entry of the folder is not a plain file.
-        JournalError: it is damaged inside, or its records make no sense.
+        JournalError: a record before the last one is damaged, or a record is inconsistent.
     """
     folder = Path(folder)
     contents = read_run_journal(folder)

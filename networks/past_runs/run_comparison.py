@@ -51,7 +51,10 @@ class ComparedAction:
         return _seconds(self.one), _seconds(self.other)
 
     def residuals(self) -> Iterator[tuple[str, float | None, float | None]]:
-        """Yield each residual that differs: its name with the unit, and its size in each run."""
+        """Yield each residual (deviation after restoring) that differs between the runs.
+
+        It is given by its name with the unit, and its size in each run.
+        """
         mine, theirs = _residuals(self.one), _residuals(self.other)
         for name in dict.fromkeys([*mine, *theirs]):
             if mine.get(name) != theirs.get(name):

@@ -15,10 +15,10 @@ STOP_SOCKET = "control.stop"
 
 @contextmanager
 def socket_path(path: Path) -> Iterator[str]:
-    """Yield a name of at most 108 bytes for a socket's path, which may be longer.
+    """Yield a name of at most 108 bytes, the limit of Unix sockets, for a socket's path that may be longer.
 
     Raises:
-        OSError: its folder can't be opened.
+        OSError: the folder of the socket cannot be opened.
     """
     folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
     try:

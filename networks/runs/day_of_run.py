@@ -15,7 +15,10 @@ from .run_options import RunOptions
 
 
 class NoRehearsedDay(InputError):
-    """Error, because a time of day is given as the begin of a run on a real robot or without such times."""
+    """Error, because the begin of a run is given as a time of day, which the run does not use.
+
+    Its robot is real, or its task has no times of day for rounds and interrupts.
+    """
 
 
 def check_begins_at(prepared: Prepared, options: RunOptions) -> None:

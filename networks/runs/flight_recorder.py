@@ -67,7 +67,7 @@ class FlightRecorder(RunObserver):
         """Reason why nothing more is kept after the disk refused a write; the run continues."""
 
     def period(self, robot: Robot) -> None:
-        """Record a period; while the robot's time does not pass there is nothing new."""
+        """Record the readings of a control period, except while the robot's time does not pass."""
         if robot.time <= self._time:
             return
         self._time = robot.time

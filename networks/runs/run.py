@@ -78,7 +78,7 @@ def execute(
             ignored in `options`.
         run_dir: the run's folder; made if it is missing.
         options: options of the execution.
-        past: a run to resume.
+        past: a run to resume; None for a new run.
         clock: clock for the wall time of the run, in [s].
 
     Raises:

@@ -40,7 +40,7 @@ def goal_faults(
 def interrupt_faults(
     entries: Sequence[SituationInterrupt], situations: Mapping[str, object]
 ) -> Iterator[Fault]:
-    """Yield the interrupts whose goals are not situations of the file."""
+    """Yield a fault for each interrupt whose goal is not a situation of the file."""
     for number, entry in enumerate(entries):
         if situations and entry.goal not in situations:
             wrong = f"unknown situation {entry.goal!r}{suggest(entry.goal, situations)}"
@@ -62,7 +62,7 @@ def in_order(network: Copies, goals: Sequence[str]) -> tuple[Copies, str]:
 
 
 def goal_copies(network: Copies, name: str) -> tuple[str, ...]:
-    """Return all copies of a situation of the file."""
+    """Return the names of all copies in the network of a situation of the file."""
     return tuple(copy for copy, (called, _) in network.situations.items() if called == name)
 
 
@@ -77,7 +77,7 @@ def round_faults(network: ActionNetwork) -> Iterator[Fault]:
 
 
 def battery_faults(aims: Aims) -> Iterator[Fault]:
-    """Yield the interrupts that depend on the battery's charge, for a robot that does not measure it."""
+    """Yield a fault for each interrupt that depends on the battery's charge, which is not measured."""
     for number, interrupt in enumerate(aims.interrupts):
         if interrupt.battery_below is not None:
             wrong = "the robot measures no charge of its battery"

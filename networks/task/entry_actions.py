@@ -129,7 +129,7 @@ def _attempt_faults(entry: TaskEntry, budgets: Sequence[str], done: Collection[s
 
 
 def chance_faults(file: AnyTaskFile) -> Faults:
-    """Yield the actions without a probability, which all policies but the rule need."""
+    """Yield a fault for each action without a probability, which all policies but `rule` need."""
     for number, entry in enumerate(file.actions):
         if entry.p_success is None:
             wrong = f"{entry.do} has no p, which policy {file.policy!r} needs"

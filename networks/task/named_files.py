@@ -60,7 +60,7 @@ def named_robot(document: Document, name: str) -> str:
 
 
 def start_place_faults(document: Document, names: list[str] | None) -> Iterator[tuple[KeyPath, str]]:
-    """Yield a fault if the place at the start is not known.
+    """Yield a fault if the task starts at a place that is not known.
 
     Args:
         document: the task.
@@ -78,7 +78,7 @@ def start_place_faults(document: Document, names: list[str] | None) -> Iterator[
 
 
 def robot_faults(document: Document) -> Iterator[tuple[KeyPath, str]]:
-    """Yield a fault if the robot is not known."""
+    """Yield a fault if the task names a robot that is not known."""
     node, there = document.root.deepest(("robot",))
     name = node.content
     is_name = there and isinstance(name, str) and not name.endswith((".yaml", ".yml"))
@@ -88,7 +88,7 @@ def robot_faults(document: Document) -> Iterator[tuple[KeyPath, str]]:
 
 
 def file_faults(document: Document) -> Iterator[tuple[KeyPath, str]]:
-    """Yield the files that are missing, or may not be read."""
+    """Yield a fault for each file that the task names and that is missing or may not be read."""
     named = [("knowledge", name) for name in ("map", "keepout", PLACES_KIND, *domain_keys())]
     for key in (("world",), *named, SPEED_MASK_KEYS):
         try:

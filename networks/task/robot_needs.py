@@ -28,9 +28,9 @@ def need_findings(
     Args:
         document: the task's file.
         network: its network.
-        entries: number in the file of each action of the network; None for a skip.
+        entries: number in the file of each action of the network; None if it skips an element.
         kinds: classes of the robot's capabilities.
-        model: what is known before the start; None to look at the capabilities alone.
+        model: world model before the start; None to check the robot's capabilities alone.
     """
     seen = set[tuple[int, str]]()
     for action, entry in zip(network.actions, entries, strict=True):

@@ -78,7 +78,7 @@ class Task:
     document: Document
     network: ActionNetwork
     entries: tuple[int | None, ...]
-    """Number in the file of each action of the network; None for a skip."""
+    """Number in the file of each action of the network; None if it skips an element."""
     knowledge: TaskKnowledge
     """Content of the files that the task names."""
 

@@ -21,7 +21,7 @@ MAX_TASK_NODES = 1_000_000
 
 
 class GeneralFiles(FileModel):
-    """Prior knowledge of the robot: files next to the task's."""
+    """Files with the robot's prior knowledge, such as the map and the places, which a task names."""
 
     map: str | None = None
     """A map in ROS format, or a `.map` of MovingAI; `none`: places are relative to the start."""

@@ -88,7 +88,7 @@ class Blocks(Section):
 
     @override
     def faults(self, robot: RobotFile) -> Iterator[Finding]:
-        """Report blocks that the fingers cannot take between them, or that the camera cannot measure."""
+        """Yield findings if the blocks don't fit between the fingers, or are too small for the camera."""
         if self.listed is None or robot.gripper is None:
             return
         length, width, _ = self.listed.value.block_mm

@@ -72,7 +72,7 @@ class Building(FileModel):
 
     @property
     def block(self) -> tuple[float, float, float]:
-        """Length, width, height in [m]."""
+        """Length, width and height of all blocks, in [m]."""
         length, width, height = (positive / 1e3 for positive in self.block_mm)
         return length, width, height
 
@@ -87,5 +87,5 @@ class Building(FileModel):
 
 
 def name_of_block(number: int) -> str:
-    """Return the name of a block in the world and in sensor readings."""
+    """Return the name of a block in the simulated world and in sensor readings."""
     return f"block {number}"

@@ -16,7 +16,7 @@ VIEW_DISTANCE_M = 0.30  # from the camera down to what it looks at
 
 
 def surroundings(robot: Robot, model: ModelView) -> tuple[Box, ...]:
-    """Return the tables, the waiting blocks and the placed blocks, posed in the base frame."""
+    """Return the tables, and the waiting and placed blocks, as obstacles for the arm in the base frame."""
     plan = building(model)
     base_T_map = standing(robot, model).inverse().lift()
     boxes = [table.box for table in plan.tables.values()]

@@ -15,7 +15,7 @@ from .building import BlockPlace, Positive, Table
 
 
 class DrawnStart(FileModel):
-    """A pose of the base, on the map."""
+    """Start pose of the base in a drawing, on the map."""
 
     x_m: float
     y_m: float
@@ -28,7 +28,7 @@ class DrawnStart(FileModel):
 
 
 class DrawnLandmark(LevelPose):
-    """A landmark, on the map."""
+    """Landmark of a drawing, with its pose on the map."""
 
     side_mm: Positive = 60.0
 
@@ -80,7 +80,7 @@ class Drawing(FileModel):
 
     @property
     def block(self) -> tuple[float, float, float]:
-        """Length, width, height in [m]."""
+        """Length, width and height of all blocks, in [m]."""
         length, width, height = (positive / 1e3 for positive in self.block_mm)
         return length, width, height
 

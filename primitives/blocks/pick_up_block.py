@@ -78,7 +78,7 @@ class PickUpBlock(ActionPrimitive):
         return name_of_block(self.number)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return a message if the block is known to be elsewhere; empty otherwise."""
+        """Return a message if the block is known to be elsewhere than where `at` says; empty otherwise."""
         blocks = model.of(Blocks)
         if any(placed.number == self.number for placed in blocks.placed):
             return f"block {self.number} is at its goal already"
@@ -139,7 +139,7 @@ class PickUpBlock(ActionPrimitive):
         yield
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
-        """Return the contacts with the block and its support."""
+        """Return the intended contacts of the hand with the block, and of the block with its supports."""
         own, plan = MeantContact("hand", name_of_block(self.number)), model.of(Blocks).building
         if self.at == "robot":
             return own, MeantContact("held", TRAY_NAME)

@@ -117,7 +117,7 @@ class Stack(ActionPrimitive):
             yield from move_to_posture(robot, "home", around=surroundings(robot, model))
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
-        """Return the contacts of the hand with the block, and of the block with its supports."""
+        """Return the intended contacts of the hand with the block, and of the block with its supports."""
         own, plan = MeantContact("hand", name_of_block(self.number)), model.of(Blocks).building
         if self.onto == "robot":
             return own, MeantContact("held", TRAY_NAME)

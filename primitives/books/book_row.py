@@ -12,7 +12,7 @@ SHELF_PARTS = ("board", "panel", "left panel", "right panel", "book end")
 
 
 def row_contacts(model: WorldModel, shelf: str) -> tuple[MeantContact, ...]:
-    """Return the contacts of the held book with its shelf and with the two neighbours of its slot."""
+    """Return the intended contacts of the held book with its shelf and the two neighbours of its slot."""
     known = model.of(Books)
     slot = known.slot
     beside = () if slot is None else tuple(call for call in (slot.after, slot.before) if call)

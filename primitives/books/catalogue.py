@@ -50,5 +50,5 @@ class Catalogue(FileModel):
 
 
 def name_of_book(book: Book) -> str:
-    """Return the name of a book in the world."""
+    """Return the name of a book in the simulated world."""
     return f"book {book.accession}"

@@ -83,7 +83,7 @@ class PickUp(TreePrimitive):
         return book_in(model)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return a reason if the book or its pose is unknown."""
+        """Return a reason if the book or its pose is unknown; empty otherwise."""
         books = model.of(Books)
         if books.book is None or books.book_pose is None:
             return "no book has been recognized on the tray"

@@ -86,7 +86,7 @@ def moved(strips: Strips, sides: Sequence[float], within: float) -> float | None
 
 
 def side_near(strips: Strips, expected: float) -> float:
-    """Return y of the edge near an expected side in the shelf frame, in [m]; `expected` without an edge.
+    """Return y of the edge near an expected side in the shelf frame, in [m]; `expected` if none is near.
 
     A dark spine before a dark slot has no edge.
     """

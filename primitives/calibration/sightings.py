@@ -30,7 +30,7 @@ LANDMARK_DEPTH_TOLERANCE_M = 0.06  # by which it may be nearer or farther than p
 
 
 class Seen(NamedTuple):
-    """Sighting of a landmark, with the pose of the hand by the joints."""
+    """Sighting of a landmark, with the pose of the hand by the measured joints."""
 
     landmark: Landmark
     base_T_hand: Transform

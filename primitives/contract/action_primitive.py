@@ -242,5 +242,5 @@ class ActionPrimitive(FileModel, ABC):
 
     @property
     def facts(self) -> Mapping[str, float | str]:
-        """Findings of this attempt, as figures and texts."""
+        """Findings of this attempt, as numbers and texts by their names."""
         return self._evidence.facts

@@ -65,7 +65,7 @@ class GeneratorBehaviour(Behaviour):
         self._periods: Generator[None, None, bool | None] | None = None
 
     def initialise(self) -> None:
-        """Start again from the beginning."""
+        """Begin a new generator when the leaf starts."""
         self._periods = self._factory()
 
     def update(self) -> Status:

@@ -80,7 +80,7 @@ def make_detector(
         folder: folder of that file.
 
     Raises:
-        BrokenDetector: it is not installed, can't be imported, or refuses its options.
+        BrokenDetector: the detector is not installed, can't be imported, or refuses its options.
     """
     points = {point.name: point for point in entry_points_of(DETECTORS_GROUP)}
     if name not in points:

@@ -13,10 +13,10 @@ DoorName = Annotated[str, Field(min_length=1), Names("doors")]
 
 
 def front_in_world(name: str) -> str:
-    """Return the name of a door's front in the world and in contacts."""
+    """Return the name of a door's front in the simulated world and in its contacts."""
     return f"door {name}"
 
 
 def handle_in_world(name: str) -> str:
-    """Return the name of a door's handle in the world and in contacts."""
+    """Return the name of a door's handle in the simulated world and in its contacts."""
     return f"handle {name}"

@@ -183,7 +183,7 @@ class MoveDoor(ActionPrimitive):
 
     @override
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
-        """Return the contacts of the hand with the handle, which moves its door."""
+        """Return the intended contacts of the hand, which are with the door's handle and its front."""
         return MeantContact("hand", handle_in_world(self.door)), MeantContact(
             "hand", front_in_world(self.door)
         )

@@ -179,8 +179,11 @@ class FieldObstacleMonitor:
         return robot.pose.apply(points)
 
     def kept(self, sensed: FloatArray, blocking: FloatArray) -> FloatArray:
-        """Return the points (m, 2) of `sensed` (n, 2) that are near the blocking point `blocking` (2,), in
-        [m].
+        """Return the sensed points (m, 2) to remember as obstacles, which are those near `blocking`.
+
+        Args:
+            sensed: (n, 2) points that the map does not explain, in [m].
+            blocking: (2,) point of an obstacle on the route, in [m].
         """
         return np.asarray(sensed[np.hypot(*(sensed - blocking).T) < OBSTACLE_MEMORY_RADIUS_M])
 
@@ -223,7 +226,7 @@ class ObstacleMonitor:
 
         Args:
             sensed: (n, 2) points that the map does not explain, in [m].
-            blocking: (2,) point that blocks the route, in [m]; not used.
+            blocking: (2,) point of an obstacle on the route, in [m]; not used.
         """
         return sensed
 

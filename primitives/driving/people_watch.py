@@ -61,7 +61,7 @@ class PeopleWatch:
 
         Returns:
             Mask (n,) of the beams that end at moving people, and discs (k, 3) that these people have left: x,
-                y and radius on the map, in [m]. Both are empty for a second call in a period.
+                y and radius on the map, in [m]. A second call in a period reports no people and no discs.
         """
         moving = np.zeros(len(ranges), dtype=np.bool_)
         if robot.time <= self._taken_at or len(ranges) < 3:

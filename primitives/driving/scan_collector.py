@@ -48,7 +48,7 @@ class ScanCollector:
 
     @property
     def odometry(self) -> Pose2:
-        """Pose odom_T_base by the wheels."""
+        """Pose odom_T_base by wheel odometry."""
         return self._wheels.pose
 
     @property

@@ -216,7 +216,7 @@ class Deploy(TreePrimitive):
         return room or math.inf  # an unreachable target needs no room
 
     def meant_contacts(self, model: WorldModel) -> Several[MeantContact]:
-        """Return the contacts of the hand with the sensor, and of the sensor with the ground."""
+        """Return the intended contacts of the hand with the sensor, and of the sensor with the ground."""
         return model.of(FieldWork).sensor_contact(self.target), *(
             MeantContact("held", name) for name in GROUND_NAMES
         )

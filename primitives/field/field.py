@@ -65,7 +65,7 @@ class Field(FileModel):
         return np.array([[rock.x_m, rock.y_m, rock.radius_m] for rock in self.rocks]).reshape(-1, 3)
 
     def holds(self, x: float, y: float) -> bool:
-        """Return whether a point in [m] is inside the field."""
+        """Return whether a point, x and y in the field's frame in [m], is inside the field."""
         return self.x_m[0] <= x <= self.x_m[1] and self.y_m[0] <= y <= self.y_m[1]
 
     def below(self, finger_tip: float) -> float:

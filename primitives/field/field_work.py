@@ -68,7 +68,7 @@ class FieldWork(Section):
         return np.empty((0, 3)) if self.field is None else self.field.discs
 
     def faults(self, robot: RobotFile) -> Iterator[Finding]:
-        """Report targets that cannot be reached because a rock is too near."""
+        """Yield a finding for each target that cannot be reached because a rock is too near."""
         if self.field is None:
             return
         room = robot.footprint_radius_m
@@ -98,7 +98,7 @@ class FieldWork(Section):
         return (self.sensor_contact(place),) if place in self.targets else ()
 
     def sensor_contact(self, target: str) -> MeantContact:
-        """Return the contact of the hand with the sensor for a target.
+        """Return the intended contact of the hand with the sensor for a target.
 
         Sensors are laid in the magazine's order.
         """

@@ -219,7 +219,7 @@ class WorldModel:
         return next((companion_ for companion_ in found if companion_ is not None), None)
 
     def contacts_on_the_way(self, place: str) -> Sequence[MeantContact]:
-        """Return the intended contacts of the companions."""
+        """Return the intended contacts of the arm's motions while the base drives to a place."""
         return [
             contact for section in self.sections.values() for contact in section.contacts_on_the_way(place)
         ]

@@ -19,7 +19,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class Pushed(NamedTuple):
-    """Result of a push."""
+    """Result of a push, with the largest resistance."""
 
     met: bool
     """True if the hand was stopped by a resistance above the limit."""

@@ -86,7 +86,7 @@ class WorldNodes:
     def place(self, poses: Mapping[str, FloatArray | None]) -> None:
         """Move things to their poses world_T_thing (7,): x, y, z in [m], and a unit quaternion w, x, y, z.
 
-        None hides a thing that is not there yet.
+        A thing whose pose is None is hidden.
         """
         for name, pose in poses.items():
             if name in self._at and _same(self._at[name], pose):

@@ -46,7 +46,7 @@ class PlannedGrasp(NamedTuple):
 
 
 class GraspChoice(NamedTuple):
-    """Result of a search for grasps."""
+    """Grasps found for an object, with the numbers of grasps tried and reached."""
 
     planned: tuple[PlannedGrasp, ...]
     """Free grasps, the best one first."""

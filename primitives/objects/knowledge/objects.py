@@ -98,7 +98,7 @@ class Objects(Section):
 
     @override
     def faults(self, robot: RobotFile) -> Iterator[Finding]:
-        """Report objects that the fingers cannot take between them."""
+        """Yield a finding for each kind of objects that is too large for the fingers."""
         if self.listed is not None and robot.gripper is not None:
             yield from gripper_findings(self.listed.document, self.objects.kinds, robot.gripper.opening_mm)
 
