@@ -17,7 +17,7 @@ MAX_LINE_CHARS = 40
 
 @dataclass(frozen=True)
 class Spot:
-    """A situation drawn once: one of the network, or all copies that a `repeat` makes of one in the file."""
+    """A situation as drawn once, for one of the network or all copies that a `repeat` makes of it."""
 
     name: str
     """Name as written in the file."""
@@ -30,7 +30,7 @@ class Spot:
 
 @dataclass(frozen=True)
 class FoldedAction:
-    """An action drawn once: one of the network, or all copies that a `repeat` makes of one in the file."""
+    """An action as drawn once, for one of the network or all copies that a `repeat` makes of it."""
 
     source: Spot
     target: Spot

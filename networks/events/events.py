@@ -39,7 +39,7 @@ class Started:
 
 @dataclass(frozen=True)
 class Restoring:
-    """Event: the running action begins to restore the state that it found at its start."""
+    """Event that the running action begins to restore the state that it found at its start."""
 
     time: float
     action: Action
@@ -71,7 +71,7 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class AimChanged:
-    """Event: a round of a repeated task or an interrupt begins, or the goal is abandoned."""
+    """Event that a round of a repeated task or an interrupt begins, or that the goal is abandoned."""
 
     time: float
     words: str

@@ -27,7 +27,7 @@ class NotKeptError(HandcartError):
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """State of a run after an action: simulated world, robot's estimates, world model and action's result.
+    """State of a run after an action, with simulated world, robot's estimates, world model and result.
 
     The checkpoint of a real robot has no simulated world.
     """

@@ -25,7 +25,7 @@ TOKEN_MISSING_TEXT = "the token is missing or wrong; it is in the address that w
 
 
 class Gate(OwnPage):
-    """Guard of a viser server: WebSockets need the page's own origin and the token in the page's address."""
+    """Guard of a viser server, whose WebSockets need the page's own origin and the token in its address."""
 
     def __init__(self, host: str) -> None:
         """Create a guard for `host`, given with its port; it guards nothing before a server is made."""
