@@ -16,13 +16,13 @@ def clustered_sigmas(
 ) -> FloatArray:
     """Return standard deviations of parameters found by least squares.
 
-    Measurements from one posture share the arm's error. So residuals of a group count together: the
-    clustered "sandwich" estimate (Liang and Zeger, 1986), and a group counts at most as much as a pose's
-    six numbers.
+    Measurements from one posture of an arm share the error of that posture: they form a group. The residuals
+    of a group are summed before they are squared, as in the clustered "sandwich" estimate of Liang and Zeger
+    (1986). In the number of observations, a group counts as at most six, because a pose has six numbers.
 
     Args:
         jacobian: (n, k) derivative of the residuals by the parameters, at the result.
-        residuals: (n,) in any one unit.
+        residuals: (n,) all in the same unit, of any kind.
         groups: (n,) number of each residual's group, from 0.
         best: lower bound of the residuals' root mean square, in their unit.
 

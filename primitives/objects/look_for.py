@@ -50,9 +50,10 @@ MAX_HEADING_SIGMA_DEG = 50.0  # beyond, a tag on a side may be anywhere around
 class LookFor(ActionPrimitive):
     """Look where an object is believed to be, then over the rest of the surface, until it is found.
 
-    The views that show most of the belief come first. A close view follows; the corners of the tags in
-    all pictures together give the pose, on a surface whose height is known. Other known objects that were
-    seen are noted too. An object without tags is found by its size, in the depths of all views.
+    The views that show most of the probable places come first. A close view follows. The pose is computed
+    from the corners of the object's tags in all pictures, given the height of the surface. Other known
+    objects that were seen are noted too. An object without tags is found by its size, in the depths of all
+    views.
     """
 
     object: ObjectName

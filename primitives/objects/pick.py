@@ -68,7 +68,7 @@ GRAVITY_M_S2 = 9.81
 
 
 class Pick(ActionPrimitive):
-    """Take an object that was seen from here; keep it upright if its kind says so.
+    """Take an object that was seen before; keep it upright if its kind demands that.
 
     A close look comes first. Grasps are ranked by clearance: free ones, straight ones from above first. The
     hand goes straight to the object and stops at a resistance; the fingers close, and their opening has to
@@ -189,7 +189,7 @@ class Pick(ActionPrimitive):
         )
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """Play the motion backwards: the object is on its surface again before the fingers open."""
+        """Play the motion backwards, so that the object is on its surface again before the fingers open."""
         self._held = False
         yield from retrace(robot, start, trace)
         objects = model.of(Objects)

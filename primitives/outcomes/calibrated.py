@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class Calibrated(NamedTuple):
-    """Measured value for a key of the robot's file; the key names the unit."""
+    """Calibrated value of a parameter of the robot's file; the parameter's key ends with the unit."""
 
     value: float | tuple[float, ...]
     sigma: float | tuple[float, ...]
@@ -15,7 +15,11 @@ class Calibrated(NamedTuple):
 
 
 def as_facts(found: Mapping[str, Calibrated]) -> dict[str, float | str]:
-    """Return each value and its sigma for the journal, by the last part of its key."""
+    """Return each value and its standard deviation as facts for the journal, named by the last part of its
+    key.
+
+    The key `camera.calibrated.focal_px` gives the facts `focal_px` and `focal_px_sigma`.
+    """
     facts: dict[str, float | str] = {}
     for key, (value, sigma) in found.items():
         name = key.rpartition(".")[2]

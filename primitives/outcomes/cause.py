@@ -59,7 +59,7 @@ def cause_of(error: Exception, restoring: bool) -> Cause:
 
     Args:
         error: the caught exception, with its traceback.
-        restoring: whether the way back, or withdrawing, raised it.
+        restoring: whether the exception was raised on the way back to the start, or as the hand withdrew.
     """
     frames = [frame for frame, _ in walk_tb(error.__traceback__)]
     calls = [frame.f_code.co_qualname for frame in frames if not _is_framework(frame)]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 class CauseKind(NamedTuple):
     """Kind of cause of a Fail or GiveUp.
 
-    A domain or another package declares its own as constants of a module, and raises `Discrepancy` or
+    A domain or another package declares its own kinds as constants of a module, and raises `Discrepancy` or
     `NeedsPerson` with them.
     """
 

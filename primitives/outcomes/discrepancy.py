@@ -24,12 +24,13 @@ class Measured(NamedTuple):
 
 
 class MotionBroken(Exception):
-    """Base class of the exceptions that break a motion off.
+    """Base class of the exceptions that end a motion early.
 
     Attributes:
         reason: message for people.
         measured: the deciding reading, if any.
-        check: name of the check, unless it is one of the primitive's methods.
+        check: name of the check that failed; empty if it is a method of the primitive, which the traceback
+            names.
         cause: kind of cause, one of those that the primitive's package declares.
     """
 

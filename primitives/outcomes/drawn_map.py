@@ -10,7 +10,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class DrawnMap(NamedTuple):
-    """Map that was drawn in a run, with its keyframes and their uncertainty."""
+    """Map that was made from sensor data during a run, with its keyframes and their uncertainty."""
 
     grid: GridMap
     """The cells, also those of a given map that it completes."""

@@ -33,10 +33,10 @@ class Evidence:
     """Cause that ended the motion, followed by the cause that ended the way back, if that failed too."""
 
     def blame(self, error: Exception, restoring: bool = False) -> None:
-        """Append the cause that an exception states to `causes`.
+        """Append the cause of an exception to `causes`.
 
         Args:
             error: the caught exception, with its traceback.
-            restoring: True if the way back, or withdrawing, raised it.
+            restoring: True if the exception was raised on the way back to the start, or as the hand withdrew.
         """
         self.causes.append(cause_of(error, restoring))

@@ -23,7 +23,7 @@ class Success:
 
 @dataclass(frozen=True)
 class Fail:
-    """Outcome: the motion was not completed, and everything is as at the start: measured, within
+    """Outcome: the motion was not completed, and by measurement everything is as it was at the start, within
     tolerance.
     """
 
@@ -61,7 +61,7 @@ def fail_if_restored(
     Args:
         reason: why the motion could not be completed.
         permanent: True if trying again makes no sense.
-        residuals: distances of everything measured from the snapshot.
+        residuals: measured differences from the state at the start, each with its limit.
         cause: kind of cause that ended the motion.
     """
     if beyond := residuals.beyond:

@@ -11,7 +11,9 @@ _OBJECT_LABEL = "object ", " mm"
 
 
 class ResidualKind(Enum):
-    """Measured quantity of a residual; the value is its label in journals, which ends with its unit."""
+    """Quantity whose difference between two states is measured; the value is its label in journals, with its
+    unit.
+    """
 
     BASE_POSITION = "base_mm"
     BASE_HEADING = "base_deg"
@@ -34,18 +36,18 @@ class ResidualKind(Enum):
 
     @property
     def is_uncertainty(self) -> bool:
-        """True for the uncertainty of a measurement, which is not a motion."""
+        """True if the quantity is the uncertainty of a measurement and not a motion."""
         return self in (ResidualKind.BASE_POSITION_UNCERTAINTY, ResidualKind.BASE_HEADING_UNCERTAINTY)
 
     @property
     def is_base_offset(self) -> bool:
-        """True for the measured distance and turn of the base."""
+        """True if the quantity is the measured distance or turn of the base from its earlier pose."""
         return self in (ResidualKind.BASE_POSITION, ResidualKind.BASE_HEADING)
 
 
 @dataclass(frozen=True)
 class Residual:
-    """Difference of one quantity between two states."""
+    """Difference of one measured quantity between two states of the robot, with its limit."""
 
     kind: ResidualKind
     value: float
@@ -69,12 +71,12 @@ class Residual:
 
     @property
     def is_motion(self) -> bool:
-        """True if something moved beyond its limit."""
+        """True if a quantity other than an uncertainty is beyond its limit, so that something has moved."""
         return not self.kind.is_uncertainty and not self.is_within
 
     @classmethod
     def from_label(cls, label: str, value: float, limit: float | None) -> Residual:
-        """Return a residual from its text in old journals; value and limit are in the unit that the label
+        """Return a residual from its label in a journal; value and limit are in the unit that the label
         names.
         """
         start, end = _OBJECT_LABEL
@@ -109,7 +111,7 @@ class Residuals(Mapping[str, float]):
 
     @property
     def moved(self) -> Residuals:
-        """Residuals beyond their limits that count as motion."""
+        """Residuals beyond their limits, without uncertainties: only these show that something moved."""
         return Residuals(residual for residual in self.all if residual.is_motion)
 
     @property
@@ -151,7 +153,7 @@ def read_residuals(values: Mapping[str, float | None], limits: Mapping[str, floa
     """Return the residuals of a journal's record.
 
     Args:
-        values: label to value; None, as JSON has no infinity, is infinite.
+        values: label to value; None stands for infinity, which JSON does not have.
         limits: label to limit; missing in journals of older versions.
     """
     return Residuals(

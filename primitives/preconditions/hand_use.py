@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class Hand(Enum):
-    """Content of the hand."""
+    """Content of the hand, as a primitive requires it at its start or leaves it at its end."""
 
     EMPTY = "empty"
     FULL = "full"

@@ -39,8 +39,8 @@ def hold_measured(robot: Robot) -> Generator[None, None, None]:
 def rejoin(robot: Robot, moment: Moment) -> Generator[None, None, None]:
     """Move the arm to the joints commanded in a recorded moment, on a straight line in joint space.
 
-    It starts at the current command, and keeps the robot's joint speeds. An arm that was held after its
-    motion was interrupted has another command than the last one of that motion.
+    The motion starts at the current command and stays within the robot's joint speeds. The two commands
+    differ, for example, if the arm was held still after an interrupted motion.
     """
     arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
     if arm is None or np.array_equal(arm.command(), moment.joints):
@@ -57,7 +57,7 @@ def _step_evenly(robot: Robot, goal: FloatArray) -> Generator[None, None, None]:
 
 
 def moves_fingers(robot: Robot, moment: Moment) -> bool:
-    """Return whether the fingers' command at that moment differs from the current one."""
+    """Return whether the fingers' command at a recorded moment differs from the current one."""
     gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
     return gripper is not None and abs(gripper.command() - moment.grip) > 1e-6
 

@@ -25,16 +25,16 @@ MAX_CURVATURE_PER_M = 2.0
 
 
 def back_off(robot: Robot, blocked: Blocked, trace: Trace) -> Generator[None, None, None]:
-    """Drive back the way the base came, away from the place where it was stopped.
+    """Drive back from the place where the base was stopped, along the path on which it came.
 
-    The base first moves straight back by `STRAIGHT_M`, then with the headings of the way in, until the
-    footprint has left the place: the space that body and arm swept on the way in is free, and a sharper
-    turn would sweep more. A rebound counts as part of the way.
+    The base first moves straight back by `STRAIGHT_M`, then with the headings of the path on which it came,
+    until its footprint has left the place. The space that body and arm swept on that path is free, and a
+    sharper turn would sweep more. The distance that the base rebounded when it was stopped counts too.
 
     Args:
-        robot: at rest.
+        robot: robot at rest.
         blocked: place where the base was stopped, and the base's motion there.
-        trace: the way in.
+        trace: record of the motion to that place.
     """
     way, headings = _way_in(trace, blocked, 2.0 * robot.spec.footprint_radius_m)
     length, end = max(STRAIGHT_M, float(way[-1])), robot.time + BACK_OFF_TIMEOUT_S

@@ -27,8 +27,8 @@ FINAL_SPEED_M_S = 0.1  # straight on, in the end
 def car_retrace(robot: Robot, start: Snapshot, trace: Trace) -> Generator[None, None, None]:
     """Bring a car back to the snapshot the way it came, arm and gripper on the same time line.
 
-    It is steered by `Localization.odometry_pose`, which does not jump: over the length of an action this is
-    the best estimate. Whether the car came back is measured afterwards.
+    The car is steered by `Localization.odometry_pose`, because this pose does not jump and is the best
+    estimate over the length of an action. Whether the car came back is measured afterwards.
     """
     for stretch in reversed(_stretches(trace.moments)):
         forward = _forward(stretch[0], stretch[-1])
@@ -58,7 +58,9 @@ def _straight_to(robot: Robot, start: Snapshot) -> Generator[None, None, None]:
 
 
 def check_stands(robot: Robot, goal: Pose2) -> None:
-    """Raise `Discrepancy` unless a car is at a pose within its tolerance: it can't be moved sideways."""
+    """Raise `Discrepancy` if a car is further from a pose than its tolerance; a car cannot move sideways to
+    it.
+    """
     off, most = robot.pose.distance(goal), robot.spec.tolerance.base_mm / 1e3
     if off > most or math.degrees(robot.pose.turn(goal)) > robot.spec.tolerance.base_deg:
         away = Measured("Base", "distance from its goal", off, most, "m")

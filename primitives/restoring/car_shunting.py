@@ -32,7 +32,7 @@ PROGRESS_STEP_M = 0.01  # along the path, less is no progress
 
 
 def known_discs(robot: Robot, model: ModelView | WorldModel) -> FloatArray:
-    """Return known and sensed obstacles (n, 3) on the map: x, y and radius, in [m]."""
+    """Return known and sensed obstacles on the map as discs (n, 3): x, y and radius, in [m]."""
     rocks = model.discs
     known = rocks + np.array([0.0, 0.0, ROCK_POSITION_TOLERANCE_M]) if len(rocks) else rocks
     return np.vstack([known, point_discs(avoided_points(robot, model))])
@@ -52,14 +52,15 @@ def plan_car_drive(robot: Robot, start: Pose2, goal: Pose2, discs: FloatArray) -
 
 
 def bring_back(robot: Robot, start: Snapshot, model: WorldModel, room: float) -> Generator[None, None, None]:
-    """Bring a car that stands beside the snapshot to it by shunting, if possible: it can't move sideways.
+    """Bring a car that is at rest next to its start pose to that pose by shunting, if a path is found.
 
-    Before each path the car stands until its displacement since the start is known. A gyro whose bias was
-    not known on the way leads the car back beside its start, and what was measured since tells how far.
+    A car cannot move sideways. Before each path the car waits until its displacement since the start is
+    known. The displacement is measured again because a gyro with an unknown bias leads a car back to a wrong
+    place.
 
     Args:
-        robot: at rest.
-        start: what was measured at the start.
+        robot: car at rest.
+        start: state of the robot as measured at the start.
         model: world model, with the obstacles to keep off.
         room: largest distance of the base from its start, in [m], if less than its tolerance.
     """

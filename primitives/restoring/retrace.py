@@ -42,11 +42,12 @@ STANDSTILL_TOLERANCE = 1e-4  # [m], [rad]: between two periods, less is not moti
 def retrace(
     robot: Robot, start: Snapshot, trace: Trace, allowed: SpeedLimits | None = None
 ) -> Generator[None, None, None]:
-    """Bring the robot back to the absolute snapshot along the way it came, on one time line.
+    """Bring the robot back to a snapshot along the path on which it came, base, arm and gripper in one
+    sequence.
 
-    Stretches in which the base moved are driven back with feedback of its pose, the arm where it was when the
-    base was there; in between, arm and gripper play their commands backwards. A car is brought back by
-    `car_retrace`.
+    Where the base moved, it is driven back with feedback of its pose, and the arm has at each pose the joints
+    that it had there before. Between these parts, arm and gripper repeat their commands backwards. A car is
+    brought back by `car_retrace`.
 
     Args:
         robot: robot at the end of the motion.
@@ -74,12 +75,18 @@ def reach_pose(
 ) -> Generator[None, None, None]:
     """Bring the base to a close pose; do nothing if it is there already.
 
-    It is if its position is within half the tolerance, and its heading within the tolerance. A base that
-    shifts as it turns, such as a skid-steer one, may come no nearer than some millimetres: the tolerance
-    widens after `EXACT_REACH_S`, up to half of the tolerance in the robot's file. A car isn't moved.
+    The base is there if its position is within half the tolerance, and its heading within the tolerance. A
+    base that shifts as it turns, such as a skid-steer base, may not reach the pose more closely than some
+    millimetres. Therefore the tolerance widens after `EXACT_REACH_S`, up to half of the tolerance in the
+    robot's file. A car isn't moved.
+
+    Args:
+        robot: robot at rest near the pose.
+        goal: map_T_base to reach.
+        tolerance: largest difference from the goal.
 
     Raises:
-        Discrepancy: the base is not there after a minute; or a car isn't within its tolerance.
+        Discrepancy: the base does not reach the pose in time; or a car isn't within its tolerance.
     """
     if robot.spec.drive.kind == "ackermann":
         check_stands(robot, goal)
@@ -113,7 +120,8 @@ def _widened(robot: Robot, tolerance: PoseTolerance, passed: float) -> PoseToler
 def reach_again(robot: Robot, start: Snapshot, model: WorldModel, room: float) -> Generator[None, None, None]:
     """Bring the base to the snapshot once more, from close by.
 
-    A car waits until its displacement is known within `room` [m], and is shunted if it is more than that.
+    A car waits until its displacement from the snapshot is known to `room`, in [m]. If the displacement is
+    larger than `room`, the car is shunted.
     """
     if robot.spec.drive.kind != "ackermann":
         yield from reach_pose(robot, start.pose)

@@ -32,7 +32,7 @@ Seen = Mapping[str, tuple[float, ...]]
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The robot at rest, as measured."""
+    """Measured state of the robot at rest, for a later comparison with another state."""
 
     pose: Pose2
     """map_T_base."""
@@ -105,15 +105,17 @@ def is_holding(robot: Robot) -> bool:
 
 
 def take_snapshot_since_start(robot: Robot, seen: Seen) -> Snapshot:
-    """Measure the robot's current state, with the base's displacement since `Localization.set_origin`."""
+    """Measure the robot's current state, including the base's displacement since the last call of
+    `Localization.set_origin`.
+    """
     return replace(take_snapshot(robot, seen), displacement=robot.localization.displacement)
 
 
 def residuals(start: Snapshot, now: Snapshot, spec: RobotFile, room: float = math.inf) -> Residuals:
     """Return the differences between two states, with the limits of the robot's file.
 
-    A missing or lost object is infinitely far. Next to the base's residual is its possible unnoticed
-    error: 3 sigma of the measurement.
+    The residual of a missing or lost object is infinite. For the base there is also the size of a motion that
+    may have gone unnoticed: 3 sigma of the measurement.
 
     Args:
         start: earlier state.

@@ -37,7 +37,7 @@ GRIP_WEIGHT = 100.0  # of the fingers' opening: a motion of theirs is never skip
 
 
 class Trace:
-    """The moments of a motion, oldest first."""
+    """Record of a motion, one moment in each period, oldest first."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -46,7 +46,8 @@ class Trace:
         """True if it is what is left of another trace, along which a motion back was broken off."""
 
     def nearest(self, pose: Pose2) -> int:
-        """Return the index of the moment, among the last `NEAR_PERIODS`, whose base was nearest to a pose.
+        """Return the index of the moment, among the last `NEAR_PERIODS`, at which the base was nearest to a
+        pose.
 
         Args:
             pose: pose in the frame of `Localization.odometry_pose`.
@@ -57,19 +58,20 @@ class Trace:
         return begin + int(np.argmin(off))
 
     def cut_to(self, robot: Robot) -> None:
-        """Cut the base's motion after it was at its current pose, so that the rest is not retraced.
+        """Replace the poses of the base after it was at its current pose, so that they are not retraced.
 
-        Arm and gripper keep their moments.
+        The moments of arm and gripper stay.
         """
         pose, odometry_pose = robot.pose, robot.localization.odometry_pose
         for number in range(self.nearest(odometry_pose) + 1, len(self.moments)):
             self.moments[number] = self.moments[number]._replace(pose=pose, odometry_pose=odometry_pose)
 
     def left_after(self, back: Trace) -> Trace:
-        """Return the way that is left if a motion along this trace, backwards, was broken off.
+        """Return the trace that is still to be retraced if a motion back along this trace ended early.
 
         Args:
-            back: record of that motion. Its motions off this trace belong to the way that is left.
+            back: record of the motion back. Where that motion left this trace, its moments are part of the
+                result.
         """
         last, begin = len(self.moments) - 1, 0
         for number, moment in enumerate(back.moments):

@@ -38,7 +38,8 @@ WAY_CHECK_SPACING_M = 0.2  # of a way between looks at whether it is free
 
 
 class Divide(ActionPrimitive):
-    """Divide the rest of the seam among reachable places of the base, with the best part for the arm at each.
+    """Divide the rest of the seam into parts, each with a reachable place of the base from which the arm
+    follows it.
 
     Only knowledge changes: the places get the names `place_1` and so on. A division is kept while its next
     place can be reached. If an obstacle was sensed on the way, or the arm could not do its part, the rest
@@ -96,7 +97,7 @@ class Divide(ActionPrimitive):
             room: free poses of the base.
 
         Raises:
-            Untrackable: a point of it cannot be tracked from any place.
+            Untrackable: a point of the seam cannot be tracked from any place.
         """
         if self.base == "drives":
             return place_alongside(placer, rest, room.blocked, self.placements, room.free)

@@ -21,7 +21,8 @@ MOST_BESIDE = 0.06  # [m] from its place
 
 
 def way_from_here(robot: Robot, place: str, planned: Pose2) -> Pose2:
-    """Return the start of the planned way for a base that stopped a little ahead of its place, or behind it.
+    """Return the start of the base's straight way, for a base that stopped a little ahead of its place or
+    behind.
 
     Args:
         robot: robot at its place, at rest.
@@ -29,7 +30,7 @@ def way_from_here(robot: Robot, place: str, planned: Pose2) -> Pose2:
         planned: map_T_base of the place.
 
     Returns:
-        map_T_base on the planned line, level with the base.
+        map_T_base on the planned line, at the point nearest to the base.
 
     Raises:
         Discrepancy: the base is elsewhere.
@@ -46,10 +47,11 @@ def way_from_here(robot: Robot, place: str, planned: Pose2) -> Pose2:
 
 
 class DrivenBase:
-    """Base that drives level with the tool, and whose motion the arm's joints correct in each period.
+    """Base that drives along a seam next to the tool, while the arm corrects the base's errors in each
+    period.
 
-    The base strays from its way when wheels slip; the localizer measures it once a period, and the arm
-    corrects it in the next: "base feedback" of Shin et al. (2005), section 4.
+    The base leaves its way when wheels slip. The localizer measures this error once a period, and the arm
+    corrects it in the next period: "base feedback" of Shin et al. (2005), section 4.
     """
 
     def __init__(

@@ -11,7 +11,7 @@ MAX_DIVISIONS = 32  # that are kept
 
 
 class KeptDivisions:
-    """Cache of divisions, by all data on which they depend."""
+    """Cache of divisions of a seam; its key is all data on which a division depends."""
 
     def __init__(self) -> None:
         self._kept: dict[bytes, Placements] = {}

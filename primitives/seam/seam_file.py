@@ -46,7 +46,9 @@ def load_seam(path: Path | str) -> ToolPath:
 
 
 def untrackable(file: str, error: Untrackable) -> FileError:
-    """Return the fault of a point, at its line of the file."""
+    """Return the error for a point of a seam that cannot be tracked, with the line of the point in the
+    file.
+    """
     nearest = "" if error.nearest is None else f"; the nearest that can be reached: {_words(error.nearest)}"
     advised = nearest or "allowed: " in error.why or "needed: " in error.why
     allowed = "" if advised else "; allowed: a seam without that"

@@ -16,10 +16,10 @@ FREE_TURNS = {"nothing": FreeTurn.NONE, "azimuth": FreeTurn.VERTICAL, "roll": Fr
 
 
 def work_of(spec: RobotFile, speed: float | None = None) -> Work:
-    """Return the work of the robot's tool by the robot's file.
+    """Return what the robot's tool has to keep while it works: speed, force and free directions.
 
     Args:
-        spec: robot's file.
+        spec: robot's file, with the tool.
         speed: speed of the tool, in [m/s]; None: that of the file.
 
     Raises:

@@ -8,7 +8,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 
 
 class DrivesTo(NamedTuple):
-    """End of the straight drive of a base along a seam."""
+    """Place and pose at which the straight drive of a base along a seam ends."""
 
     place: str
     """Name of the place there."""
@@ -39,7 +39,7 @@ class SeamPart(NamedTuple):
 
 
 class SeamWork(NamedTuple):
-    """A seam divided among places."""
+    """Progress of the work on a seam: the part that is tracked, and the parts that are still planned."""
 
     tracked: int = 0
     """Index of the point up to which the seam is tracked."""

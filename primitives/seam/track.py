@@ -71,9 +71,9 @@ class _Plan(NamedTuple):
 class Track(ActionPrimitive):
     """Follow the next part of the seam with the tool, from a base at rest or driving, by DIVIDE's plan.
 
-    A base never stops exactly at its planned pose: joint angles are found for the measured pose. A base at
-    rest is then as exact as positioning and arm, and errors of its motion do not count. For a driving base
-    they do: the angles are found again each period, for the base's pose at its end.
+    A base never stops exactly at its planned pose: joint angles are found for the measured pose. If the base
+    is at rest, only the errors of localization and arm remain. If the base drives, the angles are computed
+    again in each period, for the pose that the base has at the end of the period.
     """
 
     speed_m_s: Annotated[float, Field(gt=0.0, le=2.0)] | None = None
@@ -143,7 +143,9 @@ class Track(ActionPrimitive):
             )
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """Drive a displaced base back with the arm folded, because the tool would touch the work piece."""
+        """Drive the base back with the arm folded if it drove along the seam; otherwise the tool would touch
+        the work piece.
+        """
         self._at = None
         if self._driven is None:
             yield from retrace(robot, start, trace)

@@ -16,18 +16,18 @@ def boxes_ahead(
 ) -> FloatArray:
     """Return the fraction of each straight line at which it first meets a box.
 
-    The slab method of Kay and Kajiya, "Ray tracing complex scenes" (1986). From inside, a box is met where
-    the way leaves it.
+    Computed with the slab method of Kay and Kajiya, "Ray tracing complex scenes" (1986). A line that starts
+    inside a box meets the box where it leaves it.
 
     Args:
-        start: (3,) start of all ways, in [m].
-        ways: (n, 3) vectors to their ends, in [m], in the frame of `start`.
+        start: (3,) start of all lines, in [m].
+        ways: (n, 3) vectors from the start to the ends of the lines, in [m], in the frame of `start`.
         middles: (k, 3) middles of the boxes in the same frame, in [m].
         turns: (k, 3, 3) rotations of the boxes in the same frame.
         halves: (k, 3) halves of their sides, in [m].
 
     Returns:
-        (n,) from 0 to 1, without unit; infinite for a way that meets no box.
+        (n,) from 0 to 1, without unit; infinite for a line that meets no box.
     """
     found = np.full(len(ways), np.inf)
     for box in range(len(middles)):

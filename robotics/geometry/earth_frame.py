@@ -8,9 +8,10 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class EarthFrame:
-    """An azimuthal equidistant projection around a field's origin: x is east, y north, on WGS 84.
+    """Frame of a field on the ground, whose coordinates are computed from latitude and longitude on WGS 84.
 
-    Right to a millimetre within 10 km.
+    It is an azimuthal equidistant projection around the field's origin: x is east, y north, in [m]. Its error
+    is at most a millimetre within 10 km of the origin.
     """
 
     def __init__(self, latitude_deg: float, longitude_deg: float) -> None:

@@ -46,13 +46,13 @@ class Footprint(NamedTuple):
         """Return the closed outline of a base at a pose on the map for pictures.
 
         Args:
-            x: of the base, in [m].
-            y: of the base, in [m].
-            heading: of the base, in [rad].
+            x: x of the base on the map, in [m].
+            y: y of the base on the map, in [m].
+            heading: heading of the base on the map, in [rad].
             parts: number of points on a disc's outline.
 
         Returns:
-            (m, 2) points on the map, in [m]; the last one is the first one.
+            (m, 2) points on the map, in [m]; the last point repeats the first.
         """
         shape = self.corners
         if self.is_disc:
@@ -75,8 +75,8 @@ def polygon_distance(corners: FloatArray, x: float, y: float) -> float:
 
     Args:
         corners: (n, 2) of the polygon, in order, in [m].
-        x: of the point in the frame of the corners, in [m].
-        y: of the point in the frame of the corners, in [m].
+        x: x of the point in the frame of the corners, in [m].
+        y: y of the point in the frame of the corners, in [m].
     """
     best, inside = np.inf, False
     last = len(corners) - 1
@@ -114,7 +114,8 @@ def polygon_distances(corners: FloatArray, points: FloatArray) -> FloatArray:
 def polygon_gap(one: FloatArray, other: FloatArray) -> float:
     """Return the distance between two polygons, in [m]; negative where they overlap.
 
-    Overlaps count the depth of the deepest corner, or -1e-6 where only sides cross.
+    For an overlap, the result is minus the depth of the deepest corner inside the other polygon, or -1e-6 if
+    only sides cross.
 
     Args:
         one: (n, 2) corners in order, in [m].

@@ -16,19 +16,19 @@ def ground_ahead(
 ) -> FloatArray:
     """Return the fraction of each straight line at which it first comes below the ground.
 
-    Heights are bilinear between their points, and are read every half cell along a line; between two
-    readings, the ground counts as straight.
+    The ground's height is interpolated bilinearly between grid points. It is read about every half cell along
+    a line, and taken as linear between two readings.
 
     Args:
-        start: (3,) start of all ways, in [m].
-        ways: (n, 3) vectors to their ends, in [m], in the frame of `start`.
+        start: (3,) start of all lines, in [m].
+        ways: (n, 3) vectors from the start to the ends of the lines, in [m], in the frame of `start`.
         corner: (2,) place of `heights[0, 0]` in the same frame, in [m].
         cell: distance between points whose heights are given, in [m].
         heights: (rows, columns) in [m]; rows along y, columns along x.
         top: largest of `heights`, in [m].
 
     Returns:
-        (n,) from 0 to 1, without unit; infinite where a way stays above the ground.
+        (n,) from 0 to 1, without unit; infinite for a line that stays above the ground.
     """
     rows, columns = heights.shape
     sides = (cell * (columns - 1), cell * (rows - 1))

@@ -14,12 +14,12 @@ VERTICAL_COSINE = 0.99  # cosine to the vertical beyond which no axis can be upr
 def pointing(direction: tuple[float, float, float], roll: float = 0.0) -> Transform:
     """Return a rotation (4, 4) whose x axis points along a direction.
 
-    Without roll the z axis is as upright as possible. Where the direction is vertical, the frame is that of
-    the base pitched down or up: its y axis remains that of the base.
+    Without roll the z axis is as upright as possible. For a vertical direction, the y axis is that of the
+    base frame.
 
     Args:
-        direction: of any length above 0, in the base frame.
-        roll: about that direction, in [rad].
+        direction: vector of any length above 0, in the base frame.
+        roll: additional turn about the direction, in [rad].
 
     Raises:
         ValueError: the direction has no length, or isn't finite.

@@ -26,7 +26,9 @@ class Pose2(NamedTuple):
     theta: float
 
     def compose(self, other: Pose2) -> Pose2:
-        """Return the pose `other`, given in this pose's frame, in the frame of this pose."""
+        """Return a pose `other`, given in the frame of this pose, in the frame in which this pose is
+        given.
+        """
         cos, sin = math.cos(self.theta), math.sin(self.theta)
         return Pose2(
             self.x + cos * other.x - sin * other.y,
@@ -44,7 +46,7 @@ class Pose2(NamedTuple):
         return other.inverse().compose(self)
 
     def apply(self, points: FloatArray) -> FloatArray:
-        """Return points in the frame that the pose is given in.
+        """Transform points from the pose's own frame into the frame in which the pose is given.
 
         Args:
             points: (n, 2) in the pose's own frame, such as that of the base, in [m].

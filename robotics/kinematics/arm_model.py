@@ -21,13 +21,13 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IndexArray
 class ArmModel:
     """The joints `joint_names` of a URDF robot, from its link `base` to its link `tip`.
 
-    All other joints (wheels, fingers) are fixed: at `others[name]` in [rad] or [m], otherwise at zero;
-    those that mimic one of the arm's follow it, at any place in the tree. A joint that slides has [m]
-    where others have [rad]. Poses are given in `base`. A link's mesh counts as its convex hull; its file
-    is named by an absolute path. An object holds work space: use it from one thread at a time.
+    All other joints (wheels, fingers) are fixed at `others[name]`, in [rad] or [m], or at zero. Joints that
+    mimic a joint of the arm follow it, wherever they are in the tree. A joint that slides has [m] where
+    others have [rad]. Poses are given in `base`. A link's mesh is replaced by its convex hull; mesh files are
+    named by absolute paths. An object reuses its memory: use it from one thread at a time.
 
     Attributes:
-        lower, upper: joint limits (n,), in [rad]; of a continuous joint -pi and pi, one turn of many.
+        lower, upper: joint limits (n,), in [rad]; for a continuous joint -pi and pi, not real limits.
         endless: (n,) True for continuous joints: they have no limits, see `within` and `nearest`.
         followers: names (k,) of joints that mimic one of the arm's.
         velocity: joint speed limits (n,), in [rad/s].
@@ -108,7 +108,7 @@ class ArmModel:
         return len(self.joint_names)
 
     def within(self, q: FloatArray, rounding: float = 0.0) -> bool:
-        """Return whether joint angles are within the limits of all joints that have some.
+        """Return whether joint angles are within the limits of all joints that have limits.
 
         Args:
             q: (n,) in [rad] or [m].
@@ -147,8 +147,8 @@ class ArmModel:
     def jacobian(self, q: FloatArray) -> FloatArray:
         """Return the Jacobian (6, n) at joint angles `q` (n,), in [rad] or [m].
 
-        Its rows are the velocity of the tip in the axes of `base`, [m/s] above and [rad/s] below, for each
-        joint's [rad/s] or [m/s].
+        Rows 0 to 2 are the tip's velocity in [m/s], rows 3 to 5 its turn rate in [rad/s], both in the axes of
+        `base`, for 1 rad/s or 1 m/s of each joint.
         """
         aligned = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
         root_J = pin.computeFrameJacobian(self._model, self._data, self.ordered(q), self._tip_id, aligned)
@@ -157,28 +157,27 @@ class ArmModel:
         return np.vstack((turn @ root_J[:3], turn @ root_J[3:]))
 
     def gravity_torque(self, q: FloatArray) -> FloatArray:
-        """Return the torques (n,) in [Nm] that carry the arm's own weight at `q` (n,), in [rad] or [m], the
-        base upright.
+        """Return the torques (n,) in [Nm] that carry the arm's weight at joints `q` (n,), in [rad] or [m], if
+        the base is upright.
         """
         return self.of_arm(pin.computeGeneralizedGravity(self._model, self._data, self.ordered(q)))
 
     def own_gravity_torques(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the torques that carry the arm's weight if following joints have drives of their own, in
-        [Nm].
+        """Return torques, in [Nm], that carry the arm's weight if mimicking joints have drives of their own.
 
-        At joints `q` (n,), in [rad] or [m]: those of the arm's joints (n,), without what followers carry,
-        and those of `followers` (k,).
+        They are those of the arm's joints (n,) without their followers', and those of `followers` (k,), at
+        joints `q` (n,), in [rad] or [m].
         """
         torques: FloatArray = pin.computeGeneralizedGravity(self._model, self._data, self.ordered(q))
         return torques[self._order], torques[self._led]
 
     def load_torque(self, q: FloatArray, point: FloatArray, mass: float) -> FloatArray:
-        """Return the torques (n,) in [Nm] that carry a load held by the tip, the base upright.
+        """Return the torques (n,) in [Nm] that carry a load held by the tip, if the base is upright.
 
         Args:
             q: (n,) joint angles in [rad] or [m].
             point: (3,) centre of mass in `base`, in [m].
-            mass: in [kg].
+            mass: mass of the load, in [kg].
         """
         jacobian = self.jacobian(q)
         arm = point - self.forward(q)[:3, 3]
@@ -186,7 +185,7 @@ class ArmModel:
         return np.asarray(mass * _GRAVITY * rises)
 
     def manipulability(self, q: FloatArray) -> float:
-        """Return the smallest singular value of the Jacobian, a metre weighed as a radian; 0 if singular.
+        """Return the smallest singular value of the Jacobian, with 1 m equal to 1 rad; 0 if it is singular.
 
         Args:
             q: (n,) joint angles in [rad] or [m].
@@ -198,12 +197,12 @@ class ArmModel:
     ) -> FloatArray | None:
         """Return joint angles (n,) within the limits that put the tip at a pose; None if none was found.
 
-        They are in [rad] or [m]. If the descent from `near` converges, its result is returned. Continuous
+        They are in [rad] or [m]. If the iteration from `near` converges, its result is returned. Continuous
         joints are in the turn nearest to `near`.
 
         Args:
             base_T_tip: (4, 4) pose of the tip.
-            near: (n,) start of the first descent, in [rad] or [m].
+            near: (n,) start of the first iteration, in [rad] or [m].
             restarts: number of random starts tried otherwise, those closest to `near` first.
             seed: seed of the random starts.
         """
@@ -217,7 +216,7 @@ class ArmModel:
 
         Args:
             base_T_tip: (4, 4) pose of the tip.
-            near: (n,) start of the first descent, in [rad] or [m].
+            near: (n,) start of the first iteration, in [rad] or [m].
             restarts: number of random starts that follow, those closest to `near` first.
             seed: seed of the random starts.
         """
@@ -250,7 +249,7 @@ class ArmModel:
         return np.asarray(base_T_joints[rows] @ joint_T_bodies)
 
     def moving(self, frame: str) -> BoolArray:
-        """Return a mask (n,), True for joints that move a link, by themselves or by one that follows them."""
+        """Return a mask (n,), True for joints that move a link, directly or by joints that mimic them."""
         joints = set(joints_above(self._urdf, frame))
         joints |= {
             led[0] for name, led in followers_of(self._urdf, self.joint_names).items() if name in joints
@@ -291,14 +290,14 @@ class ArmModel:
         return self._model, self._geometry.copy(), self._root_T_base
 
     def tip_mount(self) -> tuple[int, pin.SE3]:
-        """Pinocchio's index of the joint that carries the tip, and joint_T_tip: data of a collision
+        """Return Pinocchio's index of the joint that carries the tip, and joint_T_tip: data of a collision
         checker.
         """
         frame = self._model.frames[self._tip_id]
         return frame.parentJoint, frame.placement
 
     def ordered(self, q: FloatArray) -> FloatArray:
-        """Return the positions (m,) of all movable joints in Pinocchio's order, from those of the arm (n,).
+        """Return positions (m,) of all movable joints in Pinocchio's order, given the arm's positions (n,).
 
         Both are in [rad] or [m].
         """
@@ -307,7 +306,7 @@ class ArmModel:
         return q.take(self._places)
 
     def ordered_rates(self, rates: FloatArray) -> FloatArray:
-        """Return the rates (m,) of all movable joints in Pinocchio's order, from those of the arm (n,).
+        """Return the rates (m,) of all movable joints in Pinocchio's order, given the arm's rates (n,).
 
         Both are speeds in [rad/s] or [m/s], or accelerations in [rad/s²] or [m/s²].
         """
@@ -319,10 +318,11 @@ class ArmModel:
         return limits
 
     def of_arm(self, columns: FloatArray) -> FloatArray:
-        """Return the values (..., n) of the arm's joints from those (..., m) of all, in Pinocchio's order.
+        """Return values (..., n) of the arm's joints, given values (..., m) of all joints in Pinocchio's
+        order.
 
-        Values are torques in [Nm], or columns of a Jacobian, in its units. A joint carries the torques of
-        those that follow it.
+        Values are torques in [Nm], or columns of a Jacobian, in its units. A joint's torque includes those of
+        its followers.
         """
         if self._spread is not None:
             return np.asarray(columns @ self._spread)

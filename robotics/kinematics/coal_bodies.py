@@ -19,12 +19,12 @@ _CELLS = (200, 100, 50, 25)  # that a mesh is divided into along its longest sid
 
 @cache
 def meshes() -> Any:
-    """Return coal's mesh loader, which reads each mesh once for all models."""
+    """Return the mesh loader of coal, the collision library; it reads each mesh once for all models."""
     return pin.coal.CachedMeshLoader()
 
 
 def coal_body(shape: Shape) -> object:
-    """Return a shape as coal's geometry, about the origin of its frame."""
+    """Return a shape as a geometry of coal, the collision library, about the origin of the shape's frame."""
     match shape:
         case Box():
             return pin.coal.Box(*shape.size)
@@ -41,7 +41,7 @@ def shape_of(geometry: object, pose: Transform, name: str) -> Shape:
 
     Args:
         geometry: coal's geometry.
-        pose: (4, 4) of the geometry in the frame that the shape is to be in.
+        pose: (4, 4) pose of the geometry in the frame of the returned shape.
         name: name of the shape.
 
     Raises:
@@ -62,7 +62,8 @@ def shape_of(geometry: object, pose: Transform, name: str) -> Shape:
 
 
 def read_mesh(path: str, scale: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> object:
-    """Return a mesh file as coal loads it; `scale` is a factor along each axis, without unit.
+    """Return the mesh of a file as a geometry of coal, the collision library; `scale` is a factor along each
+    axis.
 
     Raises:
         ValueError: the file can't be read as a mesh.
@@ -76,10 +77,12 @@ def read_mesh(path: str, scale: tuple[float, float, float] = (1.0, 1.0, 1.0)) ->
 
 
 def hull_of_mesh(mesh: object, name: str) -> object:
-    """Return the convex hull of coal's mesh; `name` is that of its link, for the error.
+    """Return the convex hull of a mesh, both geometries of coal, the collision library.
+
+    The error message names the mesh's link, `name`.
 
     Raises:
-        ValueError: its vertices (fewer than four, all in a plane, or not finite) enclose nothing.
+        ValueError: the mesh's vertices (fewer than four, all in a plane, or not finite) enclose nothing.
     """
     points = np.array(mesh.vertices())  # type: ignore[attr-defined]
     points = points - 0.0  # a copy of our own

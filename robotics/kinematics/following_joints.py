@@ -15,20 +15,21 @@ def following(
     row: Callable[[str], int],
     count: int,
 ) -> tuple[FloatArray | None, FloatArray]:
-    """Return how the positions (m,) of all joints follow from those of an arm (n,).
+    """Return the linear map from the positions (n,) of an arm's joints to the positions (m,) of all joints.
 
-    They are factors @ arm + offsets; joints that follow none of the arm's are at 0.
-    Pinocchio's own mimic joints can't be nearer to the root than the joint that they follow.
+    The positions of all joints are factors @ arm + offsets. Joints that neither belong to the arm nor mimic
+    one of its joints are at 0. Pinocchio's own mimic joints are not used: they can't be nearer to the root
+    than the joint that they mimic.
 
     Args:
-        followers: leader, factor and offset by the name of a joint that follows one of the arm's: its
+        followers: leader, factor and offset by the name of a joint that mimics a joint of the arm: its
             position is factor times the leader's plus offset, in [rad] or [m].
-        names: of the arm's n joints.
+        names: names of the arm's n joints.
         row: returns the number of a joint among all m.
         count: number m of all joints.
 
     Returns:
-        Factors (m, n), None if no joint follows another; and offsets (m,), in [rad] or [m].
+        Factors (m, n), None if no joint mimics another; and offsets (m,), in [rad] or [m].
     """
     offsets = np.zeros(count)
     if not followers:

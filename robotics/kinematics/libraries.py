@@ -15,7 +15,7 @@ class LazyLibrary:
     """Proxy of a library that is imported when one of its attributes is first used.
 
     Raises:
-        ImportError: at that moment, if the library is missing.
+        ImportError: the library is missing; raised when an attribute is first used.
     """
 
     def __init__(self, name: str) -> None:

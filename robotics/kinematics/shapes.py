@@ -19,7 +19,7 @@ class Box:
     name: str = "box"
 
     def seen_from(self, a_T_b: Transform) -> Box:
-        """Return the box, given in the frame b, posed in the frame a."""
+        """Return the box posed in the frame a, given its pose in the frame b and the pose a_T_b."""
         return Box(a_T_b @ self.pose, self.size, self.name)
 
 
@@ -33,7 +33,7 @@ class Cylinder:
     name: str = "cylinder"
 
     def seen_from(self, a_T_b: Transform) -> Cylinder:
-        """Return the cylinder, given in the frame b, posed in the frame a."""
+        """Return the cylinder posed in the frame a, given its pose in the frame b and the pose a_T_b."""
         return Cylinder(a_T_b @ self.pose, self.radius, self.length, self.name)
 
 
@@ -61,7 +61,7 @@ Shape = Box | Cylinder | Sphere | Hull
 
 
 def corners(shape: Shape) -> FloatArray:
-    """Return (k, 3) points in [m] whose hull holds a body, in the frame that it is posed in."""
+    """Return points (k, 3), in [m], whose convex hull contains a body, in the frame in which it is posed."""
     if isinstance(shape, Hull):
         points = shape.points
     else:
@@ -77,7 +77,9 @@ def corners(shape: Shape) -> FloatArray:
 
 
 def radius_about(shape: Shape) -> float:
-    """Radius in [m] of the ball about the origin of a body's own frame that holds it."""
+    """Return the radius, in [m], of the smallest ball about the origin of a body's own frame that contains
+    the body.
+    """
     match shape:
         case Box():
             return float(np.linalg.norm(shape.size)) / 2

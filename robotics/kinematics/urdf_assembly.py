@@ -12,7 +12,7 @@ _REFERENCES = (("parent", "link"), ("child", "link"), ("mimic", "joint"))
 
 
 class Part(NamedTuple):
-    """A URDF that is to be fixed onto a link of another one."""
+    """A URDF, such as that of a tool, and the place where it is to be fixed onto a link of another URDF."""
 
     urdf_text: str
     onto: str
@@ -53,12 +53,13 @@ def with_part(urdf_text: str, part: Part) -> str:
 def with_mesh_files(
     urdf_text: str, found: Callable[[str], str], unit_m: Callable[[str], float] = lambda _: 1.0
 ) -> str:
-    """Return a URDF with other names of its meshes, and with scales in the units that mesh files declare.
+    """Return a URDF in which mesh files have other names, and meshes are scaled from their files' units to
+    metres.
 
     Args:
         urdf_text: the URDF.
-        found: returns the new name of a mesh, given the one in the URDF.
-        unit_m: returns the unit of the coordinates in a mesh file in [m], given the name in the URDF.
+        found: returns the new name of a mesh file, given the one in the URDF.
+        unit_m: returns the unit of a mesh file's coordinates, in [m], given the file's name in the URDF.
     """
     robot = read_urdf(urdf_text)
     for mesh in robot.iter("mesh"):
@@ -86,13 +87,14 @@ def with_names(
 ) -> tuple[str, Names, Names]:
     """Return a URDF with some links and joints renamed, and maps from the old names to the new ones.
 
-    The link that a renamed joint moves gets the joint's new name as well. A second name of a link becomes
-    a frame fixed on it. An element whose name is given to another gets an underscore appended.
+    The link that a renamed joint moves gets the joint's new name as well. If a link is given a second new
+    name, a frame with that name is fixed to it. If a new name is in use already, the element that had it gets
+    an underscore appended.
 
     Args:
-        urdf_text: the URDF that holds all of them.
-        links: old and new name.
-        joints: old and new name.
+        urdf_text: the URDF with all these links and joints.
+        links: old and new names of links.
+        joints: old and new names of joints.
 
     Raises:
         ValueError: the text is not a URDF.
@@ -146,7 +148,7 @@ def root_link(robot: ElementTree.Element) -> str:
     """Return the link that no joint moves.
 
     Raises:
-        ValueError: the URDF has none or several.
+        ValueError: the URDF has no such link, or several.
     """
     children = {child.get("link") for child in robot.findall("joint/child")}
     roots = [name for name in _names(robot, "link") if name not in children]

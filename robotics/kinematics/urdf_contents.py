@@ -20,7 +20,7 @@ INERTIA_ROUNDED = 1e-9
 
 
 class JointFacts(NamedTuple):
-    """Facts on a movable joint of a URDF."""
+    """Properties of a movable joint of a URDF: its kind, the link that it moves, and its limits."""
 
     name: str
     kind: str
@@ -38,7 +38,7 @@ class JointFacts(NamedTuple):
 
 
 class LinkFacts(NamedTuple):
-    """A link and its mass."""
+    """Name and mass properties of a link of a URDF."""
 
     name: str
     mass: float | None
@@ -50,7 +50,7 @@ class LinkFacts(NamedTuple):
 
 
 class MeshUse(NamedTuple):
-    """A mesh that a link names."""
+    """A mesh file as a link of a URDF uses it for its collision body or its picture."""
 
     link: str
     kind: str

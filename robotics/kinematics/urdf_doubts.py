@@ -18,7 +18,8 @@ Range = tuple[float, float]
 
 
 def joint_doubts(joints: Mapping[str, UrdfElement]) -> Iterator[UrdfFault]:
-    """Find limits that are likely to be degrees or millimetres, and followers driven beyond their limits.
+    """Yield faults for joint limits that are probably in degrees or millimetres instead of [rad] and [m], and
+    for mimicking joints whose leaders can move them beyond their limits.
 
     Args:
         joints: joints by name, of a URDF without other faults.

@@ -13,7 +13,9 @@ Triple = tuple[float, float, float]
 
 
 def origin_of(element: ElementTree.Element) -> Transform:
-    """Return the pose (4, 4) that the `origin` of a URDF element states, in the frame of its parent link."""
+    """Return the pose (4, 4) that the `origin` of a URDF element states, such as a joint's in its parent
+    link.
+    """
     origin = element.find("origin")
     return np.eye(4) if origin is None else transform(triple(origin, "xyz"), triple(origin, "rpy"))
 
@@ -39,7 +41,7 @@ def link_poses(urdf_text: str) -> dict[str, Transform]:
 
 
 def base_T_frame(urdf_text: str, frame: str, base: str = "base") -> Transform:
-    """Return the pose (4, 4) of a URDF's link in the link `base`, all joints at zero.
+    """Return the pose (4, 4) of the link `frame` in the link `base` of a URDF, with all joints at zero.
 
     Raises:
         ValueError: the text is not a URDF, or has no such link.
@@ -51,7 +53,9 @@ def base_T_frame(urdf_text: str, frame: str, base: str = "base") -> Transform:
 
 
 def triple(element: ElementTree.Element | None, key: str) -> Triple:
-    """Return the three numbers of an attribute; zeros if it is missing."""
+    """Return the three numbers of an attribute such as `xyz`; zeros if the element or the attribute is
+    missing.
+    """
     x, y, z = map(float, ("0 0 0" if element is None else element.get(key, "0 0 0")).split())
     return x, y, z
 

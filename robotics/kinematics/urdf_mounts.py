@@ -10,7 +10,7 @@ def joints_above(urdf_text: str, link: str) -> list[str]:
     """Return the joints that move a link, from the root on.
 
     Args:
-        urdf_text: a sound URDF.
+        urdf_text: URDF without faults.
         link: name of a link; an unknown one gives an empty list.
 
     Raises:
@@ -30,7 +30,8 @@ def joints_above(urdf_text: str, link: str) -> list[str]:
 
 
 def joints_between(urdf_text: str, link: str, other: str) -> list[str]:
-    """Return the joints that move one link against another: those above only one of them.
+    """Return the joints that move one link against another, which are between a link and the last common
+    ancestor.
 
     Args:
         urdf_text: a sound URDF.

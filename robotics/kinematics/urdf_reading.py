@@ -31,7 +31,9 @@ class UrdfFaults(ValueError):
 
 
 class UrdfElement(ElementTree.Element):
-    """An XML element with the position of its tag, which is 0 for an element that is not from a file."""
+    """An XML element with line and column of its tag in the text; both are 0 for an element made by a
+    program.
+    """
 
     line: int = 0
     column: int = 0
@@ -45,7 +47,7 @@ def read_urdf(text: str) -> UrdfElement:
     """Return the URDF's root element.
 
     Raises:
-        UrdfFaults: it is not well-formed XML, declares entities, or is not a robot.
+        UrdfFaults: the text is not well-formed XML, declares entities, or its root is not a `robot`.
     """
     robot = read_xml(text)
     if robot.tag != "robot":

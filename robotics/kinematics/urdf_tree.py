@@ -23,7 +23,7 @@ Element = ElementTree.Element
 
 
 class FollowingJoint(ValueError):
-    """Error of a joint that mimics another one and has no position of its own."""
+    """Error for a position that is given to a joint that mimics another one and so has no free position."""
 
     def __init__(self, joint: str, leader: str) -> None:
         self.joint = joint
@@ -31,7 +31,7 @@ class FollowingJoint(ValueError):
 
 
 def kinematic_urdf(urdf_text: str) -> str:
-    """Return the robot with only the elements that kinematics needs, so that no library fails on others.
+    """Return a URDF with only the elements that kinematics needs, so that no library fails on others.
 
     Kept are links with masses and collision bodies, and joints; a floating joint becomes fixed.
 
@@ -77,14 +77,14 @@ def _urdf_of_arm(urdf_text: str, moving: tuple[str, ...], standing_at: tuple[tup
 
 
 def with_still_joints(urdf_text: str, positions: Mapping[str, float]) -> str:
-    """Return the URDF with some joints fixed, as are those that mimic one of them.
+    """Return the URDF with some joints fixed, and with them all joints that mimic one of them.
 
     Args:
         urdf_text: the URDF.
-        positions: in [rad] or [m], by the name of a movable joint.
+        positions: positions of the joints to fix, in [rad] or [m], by name.
 
     Raises:
-        FollowingJoint: a joint mimics another one.
+        FollowingJoint: `positions` names a joint that mimics another one.
     """
     robot = read_urdf(urdf_text)
     joints = {joint.get("name", ""): joint for joint in robot.findall("joint")}
@@ -102,7 +102,7 @@ def with_still_joints(urdf_text: str, positions: Mapping[str, float]) -> str:
 def followers_of(urdf_text: str, moving: Collection[str]) -> dict[str, tuple[str, float, float]]:
     """Return leader, factor and offset, by name, of each joint that follows one of `moving`.
 
-    Its position is factor times the leader's plus offset, in [rad] or [m].
+    The joint's position is factor times the leader's position plus offset, in [rad] or [m].
 
     Raises:
         ValueError: the text is not a URDF.
@@ -114,8 +114,9 @@ def followers_of(urdf_text: str, moving: Collection[str]) -> dict[str, tuple[str
 def joint_leaders(urdf_text: str) -> dict[str, tuple[str, float, float]]:
     """Return for the name of each joint that mimics another: its leader, a factor and an offset.
 
-    Its position is factor times the leader's plus offset, in [rad] or [m].
-    Chains are followed to their head; a joint that mimics a missing one counts as free.
+    The joint's position is factor times the leader's position plus offset, in [rad] or [m]. If a leader
+    mimics another joint, that joint is the leader, and so on. A joint that mimics a missing joint is not
+    included.
 
     Raises:
         ValueError: the text is not a URDF.

@@ -66,8 +66,8 @@ class PullWatch:
     def rest_here(self) -> Generator[None, None, None]:
         """Measure the force at rest again where the hand is now, and set `is_rested`.
 
-        It is False, and the earlier force at rest stays, if a force is there already: otherwise somebody who
-        pulls would count as weight, and letting go as a pull.
+        If the force differs from the earlier force at rest, somebody may pull already: `is_rested` is False
+        then, and the earlier force at rest stays valid. Otherwise the pull would count as weight.
         """
         mean, _ = yield from self._readings()
         self._forces.clear()
@@ -76,14 +76,18 @@ class PullWatch:
             self._rest = mean
 
     def feel(self) -> None:
-        """Read the force; called once a period."""
+        """Add this period's reading of the force to the last ones, less the force at rest; call once a
+        period.
+        """
         self._forces.append(self._force() - self._rest)
         if not self.is_rested and self.is_calm:
             self.is_rested = True
 
     @property
     def is_calm(self) -> bool:
-        """True if there was no force for as long as a pull lasts."""
+        """True if the mean force over `PULL_TIME_S`, in addition to that at rest, was too small for a
+        pull.
+        """
         if len(self._forces) < (self._forces.maxlen or 0):
             return False
         return not float(np.linalg.norm(np.mean(self._forces, axis=0))) >= CALM_SHARE * self._least
@@ -123,7 +127,9 @@ class PullWatch:
         return None if _pushes(mean, self._robot.base_T("hand")[:3, 3]) else mean
 
     def lasts(self, pull: FloatArray) -> bool:
-        """Return whether the last reading is still much of a pull (3,) in [N]."""
+        """Return whether the last reading still has most of the force of a pull (3,), in [N], along the
+        pull.
+        """
         size = float(np.linalg.norm(pull))
         return bool(self._forces) and float(self._forces[-1] @ pull) / size >= LASTING_SHARE * size
 
@@ -142,7 +148,7 @@ class PullWatch:
 
 
 def direction_words(force: FloatArray) -> str:
-    """Return the direction of a force (3,) in the base frame, in a word."""
+    """Return the main direction of a force (3,) in the base frame, in a word such as "ahead" or "left"."""
     axis = int(np.abs(force).argmax())
     return (("back", "ahead"), ("right", "left"), ("down", "up"))[axis][int(force[axis] > 0.0)]
 

@@ -31,13 +31,13 @@ SIGHT_LINK = "sight"
 def aimed_joints(
     robot: Robot, collision: CollisionModel, point: FloatArray, towards: Sequence[FloatArray]
 ) -> tuple[FloatArray, Transform] | None:
-    """Return joints (n,), in [rad] or [m], with a camera off the hand turned to a point, and base_T_camera
-    (4, 4).
+    """Return joints (n,), in [rad] or [m], that turn a camera to a point, and the pose base_T_camera (4, 4).
 
-    The arm stays where it is if it hides nothing; otherwise it goes to `home` with an empty hand, or aside
-    about a vertical joint, or the hand moves down or aside: these keep a held object upright. Of several
-    heights of a lift, the one that looks most in the first wanted direction comes first. None if no view
-    is free.
+    The camera is on a head or mast, not on the hand. The arm keeps its posture if it does not hide the point.
+    Otherwise the first free one of these is taken: the posture `home` (only with an empty hand), the arm
+    swung aside about a vertical joint, the hand moved down or aside. All but `home` keep a held object
+    upright. Of several heights of a lift, the one whose view is nearest to the first wanted direction is
+    taken. None if no view is free.
 
     Args:
         robot: robot with a camera behind joints of the section `arm`.
@@ -67,7 +67,8 @@ def aimed_views(
         carrier: link that carries the camera.
         carrier_T_camera: (4, 4) of the optical frame.
         point: (3,) in the base frame, in [m].
-        posture: (n,) of all joints; those that move the hand keep it, but for lifts.
+        posture: (n,) of all joints; joints that move the hand keep their values of it, except those of a
+            lift.
     """
     above = arm.moving(carrier)
     turning = above & ~arm.moves_tip

@@ -17,5 +17,5 @@ SpotName = Annotated[str, Field(min_length=1), Names("spots")]
 
 
 def name_in_world(name: str) -> str:
-    """Return the name of an object in the world and in contacts."""
+    """Return the name under which the simulated world and its contacts know an object."""
     return f"object {name}"

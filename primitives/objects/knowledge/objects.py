@@ -148,10 +148,10 @@ class Objects(Section):
     def measuring(
         self, robot: Robot, model: MovedKnowledge, place: str, report: Callable[..., None]
     ) -> Generator[None, None, bool] | None:
-        """Return the measurement of a surface by the lidar, with which its computed place moves.
+        """Return a generator that measures a surface by lidar and moves the computed place before it.
 
-        None for a place that was not computed for a surface, and for a surface that is fixed, was measured
-        before or cannot be seen by the lidar.
+        None if the place was not computed for a surface, or if the surface is fixed, was measured before or
+        cannot be seen by the lidar.
         """
         surface = self.objects.surfaces.get(place)
         measured = any(pose.surface == place for pose in self.surface_poses)
@@ -166,8 +166,9 @@ class Objects(Section):
     ) -> Generator[None, None, bool]:
         """Measure the pose of a surface by lidar and note it; return whether it was seen.
 
-        A surface that the lidar does not see keeps the pose of its file. Distance and turn are much better
-        known afterwards than by the base's pose on the map. The computed place moves with the surface.
+        A surface that the lidar does not see keeps the pose of its file. The surface's distance and turn
+        relative to the base are then known better than the base's pose on the map. The place that was
+        computed before the surface moves with it.
 
         Args:
             robot: robot before the surface.
@@ -223,9 +224,10 @@ class Objects(Section):
         return surface if measured is None else surface.moved_to(measured)
 
     def touched_names(self, name: str, x: float, y: float, radius: float) -> tuple[str, ...]:
-        """Return the names in contacts of what an object on a surface touches.
+        """Return the names by which contacts are reported for all surfaces that an object on a surface
+        touches.
 
-        The names are those of the surface, and of surfaces of the same height that the foot may reach onto.
+        These are the surface itself, and surfaces of the same height that the object's foot may reach onto.
 
         Args:
             name: name of the surface.
@@ -241,8 +243,8 @@ class Objects(Section):
         return (*surface.contact_names(name), *reached)
 
     def believed(self, name: str) -> Pose2 | None:
-        """Return the believed pose of an object on the map, moved with its surface; None for anywhere on the
-        surface.
+        """Return the believed pose of an object on the map, moved with its surface; None if it may be
+        anywhere on the surface.
         """
         known = self.objects.objects[name]
         if known.x_m is None or known.y_m is None:

@@ -56,11 +56,11 @@ class NoStandingPlace(Exception):
 def standing_place(
     robot: RobotFile, grid: GridMap, file: ObjectsFile, name: str, places: Sequence[Place]
 ) -> Place:
-    """Return the place from which the arm reaches, and the camera sees, the work on a surface.
+    """Return the place of the base from which the arm reaches, and the camera sees, all work on a surface.
 
-    The base faces one of the sides. Nearest places to the work come first. Of the first ones from which
-    everything is reached, that is taken from which the hand comes down in most headings: an object may have
-    any.
+    At the place the base faces one side of the surface. Places near the work are tried first. Among the first
+    ones from which everything is reached, the one is returned at which the hand can reach down to the objects
+    in most headings, because an object may have any heading.
 
     Args:
         robot: robot with an arm.
@@ -70,7 +70,7 @@ def standing_place(
         places: known places of the base; a route must lead from one of them.
 
     Raises:
-        NoStandingPlace: no floor next to it is free, or the arm reaches nothing from there.
+        NoStandingPlace: no floor next to the surface is free, or from no place the arm reaches all work.
     """
     surface, arm = file.surfaces[name], robot.arm_model()
     work = _work(file, name)
@@ -110,7 +110,7 @@ def has_moved(before: ObjectSurface, now: ObjectSurface) -> bool:
     """Return whether a surface has moved so far that a place of the base before it has to move too.
 
     Args:
-        before: the surface at its earlier pose; one that is fixed has not moved.
+        before: the surface at its earlier pose; if it is marked as fixed, the answer is False.
         now: the surface at its present pose.
     """
     if before.fixed:
@@ -129,8 +129,8 @@ def followed_place(
 ) -> Place:
     """Return the place of the base for a surface that was measured elsewhere than its file says.
 
-    It is the old one moved with the surface, or a little further away; where the base has no room there, the
-    old one is kept.
+    It is the earlier place moved with the surface, or a little further from it. If the base has no room
+    there, the earlier place is returned.
 
     Args:
         robot: robot with an arm.

@@ -23,7 +23,7 @@ def scan_surface(
 ) -> Generator[None, None, tuple[Pose2, FloatArray] | None]:
     """Return a surface's pose on the map, and its covariance (3, 3) of x, y in [m] and heading in [rad].
 
-    The covariance does not include that of the base's pose. None if the surface isn't seen.
+    The covariance does not include the uncertainty of the base's pose. None if the surface isn't seen.
 
     Args:
         robot: robot before the surface.
@@ -47,7 +47,7 @@ def scan_surface(
 
 
 def is_in_scan(robot: Robot, surface: ObjectSurface) -> bool:
-    """Return whether the lidar meets the sides of a surface: it is solid down to the floor."""
+    """Return whether the lidar can measure the sides of a surface, because it is solid down to the floor."""
     is_solid = surface.thickness_m is None and not surface.walls
     is_high = robot.lidar is not None and robot.range_sensor_height < surface.height_m - MIN_BELOW_TOP_M
     return is_solid and is_high

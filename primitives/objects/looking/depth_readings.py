@@ -39,7 +39,7 @@ SQUARE_M = 0.001  # maximum difference of two sides that count as equal
 
 
 class ObjectBelief(NamedTuple):
-    """Believed pose of an object of a kind, in the base frame."""
+    """Believed pose of one of the objects of the same kind, in the base frame."""
 
     object: str
     place: tuple[float, float] | None
@@ -75,7 +75,7 @@ def standing(
 
     Args:
         views: pictures.
-        base_T_surface: (4, 4) of the middle of its top.
+        base_T_surface: (4, 4) pose of the middle of the surface's top.
         surface: the surface.
         kinds: all known kinds, by their names.
     """
@@ -106,7 +106,7 @@ def identify(
         views: number of pictures that were taken.
 
     Raises:
-        Discrepancy: nothing of its kind is there, it has fallen over, or it may be another one.
+        Discrepancy: no object of this kind is seen, it has fallen over, or it may be another object.
     """
     possible = [
         standing_
@@ -143,7 +143,7 @@ def obstacles(
 
     Args:
         found: all that stands on the surface.
-        base_T_surface: (4, 4) of the middle of its top.
+        base_T_surface: (4, 4) of the middle of the surface's top.
         base_T_object: (4, 4) of the object.
         kind: kind of the object.
     """
@@ -168,14 +168,15 @@ def contradiction(
     kind_name: str,
     kind: ObjectKind,
 ) -> str:
-    """Return in words which other thing is seen at the place of an object's tag; "" if it may be the object.
+    """Return in words which other thing is seen where an object's tag is; "" if the thing seen may be the
+    object.
 
     Args:
         found: all that stands on the surface.
-        base_T_surface: (4, 4) of the middle of its top.
+        base_T_surface: (4, 4) of the middle of the surface's top.
         base_T_object: (4, 4) of the object, by its tag.
         kind_name: name of its kind.
-        kind: its kind.
+        kind: kind of the object.
     """
     place = (inverse(base_T_surface) @ base_T_object)[:2, 3]
     inner = INNER_SHARE * min(kind.size[:2]) / 2

@@ -39,7 +39,7 @@ def detect_all(
     """Return what all detectors find in a picture, in the base frame.
 
     Raises:
-        BrokenDetector: one of them raises, or returns something else than detections.
+        BrokenDetector: a detector raises, or returns something other than detections.
     """
     return [
         _in_base(found, image.base_T_camera)
@@ -51,9 +51,10 @@ def detect_all(
 def explained(
     found: Sequence[Standing], detected: Sequence[DetectedObject], base_T_surface: Transform
 ) -> list[Standing]:
-    """Return the things on a surface, with kinds and poses by the detections that belong to them.
+    """Return the things on a surface with the kinds and poses that the detections at them give.
 
-    For things without a detection the sizes decide. Detections of one kind in several pictures are fused.
+    A thing without a detection keeps the kinds that fit its size. Detections of one kind in several pictures
+    are fused.
 
     Args:
         found: what was seen in the depths.

@@ -42,7 +42,7 @@ def look_at_floor(
     """Look at the floor below the place where an object was released; return whether it is known to be free.
 
     Args:
-        robot: its hand is empty.
+        robot: robot with an empty hand.
         model: knows the object.
         evidence: receives the picture.
         name: name of the object.

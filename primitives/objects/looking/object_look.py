@@ -192,7 +192,8 @@ def conclude(
     look: ObjectLook,
     expected: Transform | None = None,
 ) -> Located:
-    """Return where an object is by all pictures of a stop: by its tags, or by its size if it has none.
+    """Return the pose of an object by all pictures from one place of the base: by its tags, or else by its
+    size.
 
     The depth pictures were understood before (`ObjectLook.understand`).
 
@@ -202,7 +203,7 @@ def conclude(
         name: name of the object.
         surface: name of the surface that it should be on.
         look: the pictures.
-        expected: base_T_object (4, 4) where it was seen or put; None: as the file of objects believes.
+        expected: base_T_object (4, 4) where it was seen or put; None: as the file of objects states.
 
     Raises:
         Discrepancy: it was not seen, seen at two places, has fallen over or is not on the surface.
@@ -314,13 +315,13 @@ def sighting(robot: Robot, model: ModelView, name: str, surface: str, found: Loc
 
 
 def require_determined(model: ModelView, name: str, seen: ObjectSighting, need: PoseNeed) -> None:
-    """Raise `Discrepancy` if the pictures do not determine where an object is; a round one has no heading.
+    """Raise `Discrepancy` if the pictures do not give an object's pose accurately enough.
 
     Args:
         model: knows the objects.
         name: name of the object.
         seen: where it was seen.
-        need: required accuracy of its pose.
+        need: required accuracy of its pose; the heading of a round object does not count.
     """
     if model.of(Objects).objects.kind_of(name).is_round:
         need = need._replace(heading=math.inf)
@@ -332,7 +333,7 @@ def require_determined(model: ModelView, name: str, seen: ObjectSighting, need: 
 
 
 def on_map(base: Pose2, base_covariance: FloatArray, seen: Pose2, covariance: FloatArray) -> FloatArray:
-    """Return the covariance (3, 3) of a pose on the map that was measured in the base frame.
+    """Return the covariance (3, 3) on the map of a pose that was measured in the base frame.
 
     Args:
         base: map_T_base.

@@ -43,7 +43,7 @@ class ReadTag(NamedTuple):
 def read_objects(
     image: ByteArray, camera: CameraModel, base_T_camera: Transform, file: ObjectsFile
 ) -> list[ReadTag]:
-    """Return all tags in a picture that belong to a family of the file, in the order of their numbers.
+    """Return all tags in a picture of the tag families that the file uses, in the order of their numbers.
 
     Args:
         image: (height, width), grey.
@@ -99,7 +99,7 @@ class NotUpright(NamedTuple):
 
 
 class SeenTwice(NamedTuple):
-    """Tags of one object at places that exclude each other."""
+    """Error result: two tags of the same object were read at places too far apart for one object."""
 
     apart: float
     """Distance between them, in [m]."""
@@ -112,8 +112,8 @@ def locate(
 
     Args:
         reads: at least one tag that was read, all of the same object.
-        kind: its kind.
-        surface: surface that should carry it.
+        kind: kind of the object.
+        surface: surface that the object should be on.
     """
     poses = [read.base_T_object for read in reads if read.base_T_object is not None]
     views = [read.view for read in reads if read.view is not None]

@@ -36,9 +36,10 @@ def places_and_weights(
     """Return places (n, 2) on the map where the object may be, and their probabilities (n,).
 
     Args:
-        surface: surface that carries it.
-        believed: x and y on the map; None for anywhere.
-        sigma: standard deviation along each axis, in [m].
+        surface: surface that the object is on.
+        believed: x and y on the map, in [m], of the believed place; None if it may be anywhere on the
+            surface.
+        sigma: standard deviation of the believed place along each axis, in [m].
     """
     length, width = surface.size_m
     grid = np.stack(
@@ -90,8 +91,8 @@ def view_joints(
     towards: Sequence[FloatArray],
     distances: Sequence[float],
 ) -> tuple[FloatArray, Transform] | None:
-    """Return joints (n,), in [rad] or [m], from which the camera looks at a point, and base_T_camera
-    (4, 4).
+    """Return joints (n,), in [rad] or [m], from which the camera looks at a point, and the camera's pose
+    base_T_camera (4, 4).
 
     None if no such joints are found.
 

@@ -24,7 +24,7 @@ CLOSE_VIEW_M = 0.05  # around an object that was looked at closely: no other is 
 
 
 def base_T_map(robot: Robot) -> Transform:
-    """Return the pose (4, 4) of the map in the base frame, by the estimated pose of the base."""
+    """Return the pose (4, 4) of the map in the base frame, computed from the estimated pose of the base."""
     return robot.pose.inverse().lift()
 
 

@@ -24,10 +24,10 @@ MAX_ROOM_M = 0.03
 
 
 def rooms(robot: Robot, model: ModelView) -> tuple[float, ...]:
-    """Return distances to keep from walls beyond the arm's margin, in [m], the preferred one first.
+    """Return distances to keep from walls in addition to the arm's margin, in [m], the preferred one first.
 
-    The walls of boxes and shelves are known on the map; the hand misses them by as much as the pose of the
-    base is off.
+    The places of walls of boxes and shelves are known on the map only. Their places in the base frame are off
+    by as much as the estimated pose of the base is.
     """
     surfaces = model.of(Objects).objects.surfaces.values()
     if not any(surface.walls for surface in surfaces):
@@ -45,17 +45,17 @@ def move_with_room(
     held: Solid | None = None,
     also_around: tuple[Solid, ...] = (),
 ) -> Periods:
-    """Move to joint angles (n,), in [rad] or [m], away from walls where both ends and a path have the room.
+    """Move to joints (n,), in [rad] or [m], at a distance from walls if both ends and a path allow it.
 
     Args:
-        robot: its arm holds the last commanded joints.
+        robot: robot whose arm holds the last commanded joints.
         model: knows surfaces and objects.
         joints: goal.
         held: held object, posed in the hand frame.
         also_around: further bodies to keep clear of, in the base frame.
 
     Raises:
-        Discrepancy: no free path was found, with less room either.
+        Discrepancy: no free path was found, not even without the additional distance.
     """
     here = robot.arm.command()
     for room in rooms(robot, model):

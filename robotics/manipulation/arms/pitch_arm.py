@@ -17,12 +17,13 @@ _FREE = (-np.inf, np.inf)
 
 
 class PitchArm(NamedTuple):
-    """Yaw, three pitch joints and a roll around the tool: the arm of Shin (2005), in closed form.
+    """Arm with a yaw joint, three pitch joints and a roll joint around the tool, as in Shin (2005).
 
-    It puts the tool's tip on the path, with the path's elevation. It can't choose the tool's azimuth,
-    which follows from the base's position; a path allows a tolerance. The roll joint turns the tool around
-    itself and moves nothing more; the limits of a `ScoreRule` are those of the other four. The elbow is
-    up. Joint angles are 0 with the arm stretched out level and ahead, above zero upwards and to the left.
+    Its inverse kinematics is computed in closed form, with the elbow up. The arm puts the tool's tip on a
+    path and tilts the tool by the path's elevation. The tool's azimuth follows from the base's position and
+    may differ from the path's by a tolerance. The roll joint only turns the tool about its own axis, so the
+    limits of a `ScoreRule` are those of the other four joints. Joint angles are 0 if the arm is stretched out
+    level and ahead, and positive upwards and to the left.
     """
 
     ahead: float = 0.35
@@ -44,7 +45,7 @@ class PitchArm(NamedTuple):
         Args:
             bases: (b, 3) world_T_base on the floor: x, y in [m], heading in [rad].
             path: path of the tool in the world.
-            rule: measure and limits.
+            rule: rule for the score: its measure, and the joint limits.
         """
         values, usable = pitch_arm_table(
             self._stands(bases), self.marks(path), self._figures(), int(rule.measure), rule.limits
@@ -70,7 +71,7 @@ class PitchArm(NamedTuple):
             bases: (b, 3) world_T_base: x, y in [m], heading in [rad].
 
         Returns:
-            (b, 2) in [m].
+            (b, 2) x and y of the axis for each base pose, in [m].
         """
         return self._stands(bases)[:, :2]
 
@@ -80,10 +81,12 @@ class PitchArm(NamedTuple):
         return np.column_stack((bases[:, 0] + self.ahead * cos, bases[:, 1] + self.ahead * sin, cos, sin))
 
     def marks(self, path: ToolPath) -> FloatArray:
-        """Return the rows (p, 11) of a path for the compiled table.
+        """Return one row for each point of a path, (p, 11), as input of the compiled computation of scores
+        and joints.
 
         A row holds the position (3) in [m] and the tangent (3), both in the world; the unit vector (2) along
-        the level part of the tool's x axis; and the cosine, sine and rate, in [rad/m], of its elevation.
+        the level part of the tool's x axis; and the cosine, the sine and the rate, in [rad/m], of that axis'
+        elevation.
         """
         axes = path.rotations[:, :, 0]
         level = np.hypot(axes[:, 0], axes[:, 1])

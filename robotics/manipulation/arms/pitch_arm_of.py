@@ -13,10 +13,11 @@ _SAME = 1e-6  # [m] and of unit vectors
 
 
 def pitch_arm_of(arm: ArmModel, azimuth_tolerance: float) -> PitchArm | None:
-    """Return the closed form of an arm; None for another kind of arm.
+    """Return an arm as a `PitchArm`, whose inverse kinematics has a closed form; None for another kind of
+    arm.
 
-    It has one if it has a yaw joint, three pitch joints that turn upwards, and a roll about the tool, all
-    in one upright plane, and is stretched out level and ahead with all joints at zero.
+    The arm needs a yaw joint, three pitch joints that turn upwards, and a roll joint about the tool, all in
+    one upright plane. With all joints at zero it has to be stretched out level and ahead.
 
     Args:
         arm: arm model.

@@ -35,13 +35,14 @@ def _within(ux: float, uz: float, vx: float, vz: float, cos: float, sin: float, 
 def pitch_arm_table(
     stands: FloatArray, marks: FloatArray, arm: FloatArray, measure: int, limits: FloatArray
 ) -> tuple[SingleArray, BoolArray]:
-    """Return the scores (p, b) of points from base poses, and a mask (p, b) of where they are usable.
+    """Return the scores (p, b) of a path's points for base poses, and a mask (p, b), True where a point is
+    usable.
 
     Args:
         stands: (b, 4) position of the yaw axis in the world, in [m], and cosine and sine of the base's
             heading.
         marks: (p, 11) position in [m], tangent, level direction of the tool (2), and cosine, sine and rate in
-            [rad/m] of its elevation, as `PitchArm.marks`.
+            [rad/m] of the tool's elevation; returned by `PitchArm.marks`.
         arm: (12,) shoulder height and three link lengths in [m]; cosines of the yaw limit and of the azimuth
             tolerance; lower and upper limit of each pitch joint in [rad].
         measure: number of the `Measure`.
@@ -99,12 +100,14 @@ def pitch_arm_table(
 
 @compiled_for("(f8[::1], f8[:,::1], f8[::1])")
 def pitch_arm_joints(stand: FloatArray, marks: FloatArray, arm: FloatArray) -> FloatArray:
-    """Return the joint angles (p, 4), in [rad]: yaw, then the pitch joints; NaN where out of reach.
+    """Return the joint angles (p, 4), in [rad], for the points of a path: yaw, then the pitch joints.
+
+    The angles are NaN for a point that is out of reach.
 
     Args:
         stand: (4,) position of the yaw axis in [m], and the base's heading as its cosine and sine.
         marks: (p, 11) position in [m], tangent, level direction of the tool (2), and cosine, sine and rate in
-            [rad/m] of its elevation, as `PitchArm.marks`.
+            [rad/m] of the tool's elevation; returned by `PitchArm.marks`.
         arm: (12,) shoulder height and three link lengths in [m]; cosines of the yaw limit and of the azimuth
             tolerance; lower and upper limit of each pitch joint in [rad].
     """

@@ -13,7 +13,8 @@ from handcart.robotics.numerics.arrays import BoolArray, IndexArray, SingleArray
 class PlacementScores(NamedTuple):
     """Scores of b base poses x p points of a path.
 
-    The arrays are views of (p, b) memory, in which neighbours of a column lie together.
+    The arrays are stored in column order: the values of all base poses for one point are contiguous in
+    memory.
     """
 
     values: SingleArray
@@ -28,9 +29,9 @@ class PlacementScores(NamedTuple):
         return self.restricted(self.usable & ~blocked[:, None])
 
     def restricted(self, usable: BoolArray) -> PlacementScores:
-        """Return the scores with another mask `usable` (b, p): the score is 0 where it is False.
+        """Return the scores with another mask `usable` (b, p); the score is 0 where the mask is False.
 
-        The mask replaces the present one, and is True only where that is.
+        The mask replaces the present mask, and has to be False wherever the present mask is.
         """
         usable = np.asfortranarray(usable)
         return self._replace(values=np.where(usable, self.values, np.float32(0.0)), usable=usable)

@@ -26,10 +26,11 @@ class RateLimits(NamedTuple):
 
 
 class ResolvedRate:
-    """Whitney's (1969) resolved rates, with the Jacobian of the middle of the period.
+    """Controller that moves the tip of a SCARA arm along a straight line, by Whitney's (1969) resolved rates.
 
-    The tip speeds up and brakes along the line; its lateral error is driven to zero. If a joint can't
-    follow, the tip becomes slower but stays on the line.
+    The Jacobian is taken at the middle of each period. The tip accelerates and brakes along the line; its
+    distance from the line is driven to zero. If a joint reaches its maximum rate, the tip becomes slower but
+    stays on the line.
     """
 
     def __init__(
@@ -97,13 +98,14 @@ def way_to(arm: Scara, q: FloatArray, target: FloatArray) -> list[FloatArray] | 
     """Return positions (2,) in the arm's plane, in [m], to lead the tip through by straight lines to a
     target.
 
-    One line if it keeps the limits; otherwise a chain of short ones that swings around the shoulder while it
-    reaches out or in. None if the target is out of reach.
+    The straight line to the target is returned if it keeps the joint limits. Otherwise the positions are
+    those of a motion at constant joint rates, which swings around the shoulder. None if the target is out of
+    reach.
 
     Args:
         arm: the arm.
         q: (2,) or (3,) joints at the start, the angles in [rad] first.
-        target: (2,) in the arm's plane, in [m].
+        target: (2,) position in the arm's plane, in [m].
     """
     goal = arm.inverse(target)
     if goal is None:

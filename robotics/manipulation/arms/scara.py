@@ -20,10 +20,11 @@ ROOM_STEP = 0.005  # [m]: resolution of the reported distance
 
 
 class Scara(NamedTuple):
-    """Lengths, limits and postures; angles are counted anticlockwise, seen from above.
+    """Model of a SCARA arm with a lowerable slide: lengths, joint limits and named postures.
 
-    Joints are theta1 from the arm's x axis to the first link, theta2 from the first to the second, and how
-    far the slide is lowered. The elbow is bent to the right: theta2 is negative.
+    Joints are theta1 from the arm's x axis to the first link, theta2 from the first link to the second, and
+    the distance by which the slide is lowered. Angles are positive anticlockwise, seen from above. The elbow
+    is bent to the right, so theta2 is negative.
     """
 
     upper: float = 0.395
@@ -66,7 +67,7 @@ class Scara(NamedTuple):
         )
 
     def jacobian(self, q: FloatArray) -> FloatArray:
-        """Return the Jacobian of the tip by theta1 and theta2 (eq. 5, corrected).
+        """Return the Jacobian of the tip by theta1 and theta2: eq. 5 of Ohki et al. (2012), corrected.
 
         Args:
             q: (2,) joint angles in [rad].
@@ -108,7 +109,7 @@ class Scara(NamedTuple):
 
         Args:
             q: (2,) in [rad].
-            working: True for the narrower limits of working targets.
+            working: True for the narrower limits at a position where the arm works, `theta1_working`.
         """
         low, high = self.theta1_working if working else self.theta1
         inside = low - 1e-9 <= q[0] <= high + 1e-9
@@ -141,9 +142,11 @@ class Scara(NamedTuple):
         return np.array([*angles, lowered])
 
     def room_beside(self, point: FloatArray, turn: float) -> float:
-        """Return how far the base may be from its planned pose, in [m], turned by up to `turn` [rad].
+        """Return the largest distance of the base from its planned pose at which the tip still reaches a
+        point, in [m].
 
-        From everywhere within that distance the tip still reaches the point; in steps of `ROOM_STEP`.
+        The base may be displaced in any direction and turned by up to `turn`. The distance is found in steps
+        of `ROOM_STEP`.
 
         Args:
             point: (2,) in the frame of the planned base, in [m].
@@ -165,9 +168,10 @@ class Scara(NamedTuple):
 
 
 def world_to_base(pose: Pose2, tilt: tuple[float, float], point: FloatArray) -> FloatArray:
-    """Return a point (3,) of the world in the frame of a base on the ground, in [m].
+    """Transform a point (3,) from the world into the frame of a tilted base on the ground, in [m].
 
-    On a base that is tilted by 2.5 degrees, a slide that goes 0.4 m down ends 17 mm off.
+    The tilt matters: on a base that is tilted by 2.5 degrees, a slide that is lowered by 0.4 m ends 17 mm
+    beside the point below it.
 
     Args:
         pose: world_T_base on the ground.
@@ -180,7 +184,7 @@ def world_to_base(pose: Pose2, tilt: tuple[float, float], point: FloatArray) -> 
 
 
 def base_to_world(pose: Pose2, tilt: tuple[float, float], point: FloatArray) -> FloatArray:
-    """Return a point (3,) of the base frame in the world, in [m]: the reverse of `world_to_base`.
+    """Transform a point (3,) from the frame of a tilted base on the ground into the world, in [m].
 
     Args:
         pose: world_T_base on the ground.

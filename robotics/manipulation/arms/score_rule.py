@@ -14,7 +14,7 @@ UNUSABLE_SCORE = -1.0
 
 
 class Measure(IntEnum):
-    """Score of a placement at a point that it reaches."""
+    """Kind of the score of a base pose at a point of a path that the arm reaches from it."""
 
     REACHABILITY = 0
     """1 wherever the arm reaches: figure 2a of Shin (2005)."""
@@ -27,7 +27,11 @@ class Measure(IntEnum):
 
 
 class ScoreRule(NamedTuple):
-    """A measure and the limits of each joint, as lengths: b_min and b_max of Shin (2005)."""
+    """Rule for the score of a base pose at a point: a measure, and limits on the lever of the tool's force.
+
+    The lever about each joint, in [m], has to be long enough for the tool's speed and short enough for the
+    joint's torque: b_min and b_max of Shin (2005).
+    """
 
     measure: Measure
     low: FloatArray
@@ -39,14 +43,14 @@ class ScoreRule(NamedTuple):
     def of_limits(
         cls, measure: Measure, velocity: FloatArray, torque: FloatArray, speed: float, force: float
     ) -> ScoreRule:
-        """Return the rule for the limits of an arm's joints and the work of its tool.
+        """Return the rule for the limits of an arm's joints and for speed and force of its tool.
 
         Args:
             measure: measure of the score.
             velocity: (n,) speed limits in [rad/s].
             torque: (n,) torque limits in [Nm].
-            speed: of the tool, in [m/s].
-            force: of the tool along the path, in [N].
+            speed: speed of the tool, in [m/s].
+            force: force of the tool along the path, in [N].
 
         Raises:
             ValueError: a limit, the speed or the force isn't above zero, or they leave a joint no room.
@@ -64,28 +68,30 @@ class ScoreRule(NamedTuple):
 
     @classmethod
     def uniform(cls, measure: Measure, low: float, high: float, joints: int) -> ScoreRule:
-        """Return the rule with equal limits for all joints, in [m], as in the paper."""
+        """Return the rule with equal limits on the lever for all joints, in [m], as Shin (2005) uses them."""
         return cls(measure, np.full(joints, low), np.full(joints, high))
 
     @property
     def limits(self) -> FloatArray:
-        """Return the limits (3, n) as compiled functions take them.
+        """Limits (3, n) on the lever of the tool's force about each joint, as compiled functions take them.
 
-        Rows are the joints' low and high limits in [m], and 2 / (high - low) in [1/m].
+        Rows are the low and high limits in [m], and 2 / (high - low) in [1/m].
         """
         return np.array((self.low, self.high, 2.0 / (self.high - self.low)))
 
 
 @compiled
 def worth(measure: int, elements: FloatArray, rates: FloatArray, spread: float, limits: FloatArray) -> float:
-    """Return the score of a reached point, from 0 to 1 or a manipulability; `UNUSABLE_SCORE` beyond a limit.
+    """Return the score of a reached point: from 0 to 1, or the manipulability for `Measure.MANIPULABILITY`.
+
+    It is `UNUSABLE_SCORE` if the lever at a joint is beyond a limit.
 
     Args:
         measure: a `Measure`.
         elements: (n,) |k^T J|, lever of the tool force about each joint, in [m]; k is the unit tangent.
         rates: (n,) |J^-1 k|, turn of each joint for each metre of path, in [rad/m].
         spread: Yoshikawa's manipulability, in the units of the Jacobian.
-        limits: (3, n) rows of low and high limits in [m], and of 2 / (high - low) in [1/m].
+        limits: (3, n) rows of low and high limits of the lever in [m], and of 2 / (high - low) in [1/m].
     """
     if measure == 0:
         return 1.0

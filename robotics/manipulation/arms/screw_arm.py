@@ -19,7 +19,7 @@ from .screw_table import StartPool, ToolRule, ToolTargets, pool_poses, screw_tab
 
 
 class FreeTurn(IntEnum):
-    """A turn of the tool that a path leaves to the arm."""
+    """Turn of the tool that a path does not prescribe, so that the arm may choose it."""
 
     NONE = NOTHING_FREE
     VERTICAL = VERTICAL_FREE
@@ -29,17 +29,19 @@ class FreeTurn(IntEnum):
 
 
 class ScrewArm:
-    """Inverse kinematics by descent for base poses and points, each from the point before it on the path.
+    """Numerical inverse kinematics of an arm with revolute joints, for scores of a path's points from base
+    poses.
 
-    Reachability is found by trial: a reachable cell may be reported as out of reach, never the other way
-    round. Top speeds are exact for arms with as many joints as the task has numbers or one more; with more
-    redundant joints the speed is that of the least joint motion, which is lower.
+    The iteration for a point starts at the joints for the point before it. Reachability is found by trial: a
+    reachable point may be reported as out of reach, but not the other way round. Top speeds along the path
+    are exact for arms with as many joints as the tool's prescribed coordinates, or one more. With more
+    redundant joints, the speed for the least joint motion is used, which is lower.
 
     Args:
         arm: the arm; all its joints turn, and its base link is upright.
         free: turn of the tool that the path leaves free.
-        azimuth_tolerance: used with FreeTurn.VERTICAL, in [rad].
-        postures: number of random postures that descents start from.
+        azimuth_tolerance: allowed turn of the tool about the vertical with FreeTurn.VERTICAL, in [rad].
+        postures: number of random postures from which iterations start.
 
     Raises:
         ValueError: a joint slides.
@@ -70,7 +72,7 @@ class ScrewArm:
         Args:
             bases: (b, 3) world_T_base on the floor: x, y in [m], heading in [rad].
             path: path of the tool in the world.
-            rule: measure and limits.
+            rule: rule for the score: its measure, and the limits of the joints.
         """
         values, usable, joined = self._table(bases, path, rule, np.empty((0, 0, 0)))
         return PlacementScores(values.T, usable.T, joined.T)
@@ -81,10 +83,10 @@ class ScrewArm:
         Args:
             base: (3,) world_T_base on the floor: x, y in [m], heading in [rad].
             path: path of the tool in the world.
-            rule: measure and limits; None: reachability alone.
+            rule: rule for the score: its measure, and the limits of the joints; None: reachability alone.
 
         Returns:
-            (p, n) in [rad]; NaN where `scores` calls a point unusable.
+            (p, n) in [rad]; NaN for a point that is not usable in the result of `scores`.
         """
         rule = rule or ScoreRule.uniform(Measure.REACHABILITY, 0.1, 1.0, self.chain.dof)
         angles = np.full((1, len(path.points), self.chain.dof), np.nan)

@@ -12,9 +12,10 @@ from handcart.robotics.numerics.compiled import Fields
 
 
 class ScrewChain(NamedTuple):
-    """Joint axes with all angles at zero, in the frame of the arm's base: product of exponentials.
+    """Kinematics of an arm with revolute joints, as a product of exponentials.
 
-    Lynch and Park, Modern Robotics (2017), chapter 4. All joints are revolute.
+    It consists of the joint axes and the tip's pose with all angles at zero, in the frame of the arm's base:
+    Lynch and Park, Modern Robotics (2017), chapter 4.
     """
 
     axes: FloatArray
@@ -30,8 +31,7 @@ class ScrewChain(NamedTuple):
 
     @classmethod
     def of_arm(cls, arm: ArmModel) -> ScrewChain:
-        """Return the chain of an arm, from the Jacobian (its columns are the screws) and the tip's pose at
-        zero.
+        """Return the chain of an arm, computed from its Jacobian and the tip's pose with all joints at zero.
 
         Raises:
             ValueError: a joint of the arm slides.
@@ -65,7 +65,9 @@ CHAIN_TYPES = Fields(ScrewChain, "(f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], f8[
 
 
 class ChainPosture(NamedTuple):
-    """A posture of a chain, into which compiled functions write."""
+    """Joint angles of a chain, with memory for the tip's pose and Jacobian that compiled functions
+    compute.
+    """
 
     q: FloatArray
     """Joint angles (n,), in [rad]."""
@@ -76,7 +78,9 @@ class ChainPosture(NamedTuple):
 
     @classmethod
     def at(cls, q: FloatArray) -> ChainPosture:
-        """Return a posture at angles `q` (n,), in [rad], without pose and Jacobian as yet; `q` is shared."""
+        """Return a posture at angles `q` (n,), in [rad], whose pose and Jacobian are not computed yet; `q` is
+        not copied.
+        """
         return cls(q, np.eye(4), np.empty((6, len(q))))
 
 

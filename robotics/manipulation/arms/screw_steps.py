@@ -30,7 +30,7 @@ def turn_matrix(axis: FloatArray, angle: float, out: FloatArray) -> None:
 
     Args:
         axis: (3,) unit vector.
-        angle: in [rad].
+        angle: angle of the rotation, in [rad].
         out: (3, 3), written.
     """
     s, c = math.sin(angle), math.cos(angle)
@@ -50,7 +50,9 @@ def _times(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
 
 @compiled
 def tip_and_jacobian(chain: ScrewChain, posture: ChainPosture) -> None:
-    """Write pose and Jacobian of a posture at its joint angles."""
+    """Compute the tip's pose and Jacobian at the joint angles of a posture, and write them into the
+    posture.
+    """
     axes, points, tip = chain.axes, chain.points, chain.base_T_tip
     q, pose, jacobian = posture.q, posture.pose, posture.jacobian
     n = len(q)
@@ -86,7 +88,7 @@ def tip_and_jacobian(chain: ScrewChain, posture: ChainPosture) -> None:
 
 @compiled
 def pose_error(pose: FloatArray, target: FloatArray, free: int, error: FloatArray) -> None:
-    """Write the motion from a pose to a target, without a free turn, into `error`.
+    """Write the motion from a pose to a target into `error`, leaving out the turn that is free.
 
     Args:
         pose: (4, 4) base_T_tip.
@@ -140,7 +142,8 @@ def without_free(pose: FloatArray, free: int, rows: FloatArray) -> None:
         pose: (4, 4) base_T_tip.
         free: 1 if the azimuth about the z of the base is free, 2 if the turn about the x of the tool is,
             0 if none is.
-        rows: (6, k) in the axes of the base, [m] above and [rad] below; changed.
+        rows: (6, k) in the axes of the base: three rows of translation in [m], three of rotation in [rad];
+            changed.
     """
     if free == 0:
         return
@@ -156,7 +159,7 @@ def without_free(pose: FloatArray, free: int, rows: FloatArray) -> None:
 def determinant_in_place(matrix: FloatArray) -> float:
     """Return the determinant of a small square matrix (n, n), by Gaussian elimination with row pivots.
 
-    The matrix is overwritten. Written out because numba takes a second to compile LAPACK's.
+    The matrix is overwritten. `numpy.linalg.det` is not used because numba takes a second to compile it.
     """
     n, product = len(matrix), 1.0
     for column in range(n):
@@ -212,17 +215,16 @@ def solve_in_place(matrix: FloatArray, right: FloatArray) -> bool:
 
 @compiled_for((CHAIN_TYPES, "f8[:,::1]", "i8", "i8", POSTURE_TYPES))
 def descend(chain: ScrewChain, target: FloatArray, free: int, iterations: int, posture: ChainPosture) -> bool:
-    """Move an arm's joints towards a pose by damped least squares, within their limits.
-
-    Return whether the pose was reached.
+    """Move an arm's joints to a pose by damped least squares, within their limits; return whether that
+    succeeded.
 
     Args:
         chain: kinematics of the arm.
         target: (4, 4) wanted base_T_tip.
-        free: 1 if the azimuth about the z of the base is free, 2 if the turn about the x of the tool is,
-            0 if none is.
+        free: 1 if the azimuth about the z of the base is free, 2 if the turn about the x of the tool is, 0 if
+            none is.
         iterations: largest number of steps.
-        posture: its angles are the start, in [rad]; the result is written into it.
+        posture: posture whose angles are the start, in [rad]; the result is written into it.
     """
     q, pose, lower, upper = posture.q, posture.pose, chain.lower, chain.upper
     n = len(q)

@@ -21,7 +21,7 @@ _JUMP = 0.5  # [rad] of a joint between two points of a path: another branch
 
 
 class StartPool(NamedTuple):
-    """Postures that descents start from."""
+    """Joint postures, with their tip poses, at which iterations of the inverse kinematics start."""
 
     postures: FloatArray
     """(m, n) joint angles, in [rad]."""
@@ -30,7 +30,7 @@ class StartPool(NamedTuple):
 
 
 class ToolTargets(NamedTuple):
-    """Path of a tool in the world."""
+    """Poses of a tool in the world at the points of its path, and its motion along the path."""
 
     poses: FloatArray
     """(p, 4, 4) world_T_tool."""
@@ -39,7 +39,7 @@ class ToolTargets(NamedTuple):
 
 
 class ToolRule(NamedTuple):
-    """Requirements on an arm at a point of a path."""
+    """Requirements on an arm at a point of a path: free turns, reach, and the rule for the score."""
 
     free: int
     """1 if the azimuth of the tool is free, 2 if the turn about its x axis is, 0 if none is."""
@@ -77,7 +77,7 @@ def pool_poses(chain: ScrewChain, pool: FloatArray) -> FloatArray:
 
 @compiled
 def in_base(stand: FloatArray, world_T_tool: FloatArray, out: FloatArray) -> None:
-    """Write base_T_tool (4, 4) into `out`.
+    """Compute the pose base_T_tool (4, 4) of a tool from its pose in the world, and write it into `out`.
 
     Args:
         stand: (4,) x, y in [m], cosine and sine of the heading of the base.
@@ -125,8 +125,8 @@ def nearest_starts(poses: FloatArray, target: FloatArray, free: int, scale: floa
         poses: (m, 4, 4) base_T_tip.
         target: (4, 4) wanted base_T_tip.
         free: 1 if the azimuth of the tool is free, 2 if the turn about its x axis is, 0 if none is.
-        scale: distance that a radian counts as, in [m].
-        chosen: (k,), written.
+        scale: distance that counts as much as a turn of one radian, in [m].
+        chosen: (k,) row numbers in `poses`, written.
     """
     nearest = np.full(len(chosen), np.inf)
     for index in range(len(poses)):
@@ -147,14 +147,14 @@ def nearest_starts(poses: FloatArray, target: FloatArray, free: int, scale: floa
 def tool_rates(
     pose: FloatArray, jacobian: FloatArray, twist: FloatArray, free: int, rates: FloatArray
 ) -> float:
-    """Write the joint motions for each metre of path into `rates`; return the manipulability, 0 where
-    singular.
+    """Write the joint motions for each metre of path into `rates`; return the manipulability.
 
-    Least squares in the joints; with one joint to spare, the motion whose largest joint is least.
+    The manipulability is 0 in a singular posture. For a redundant arm, the joint motion is that of least
+    squares; with just one redundant joint, it is the motion whose largest joint rate is least.
 
     Args:
         pose: (4, 4) base_T_tip.
-        jacobian: (6, n) in the axes of the base, [m/rad] above and [rad/rad] below.
+        jacobian: (6, n) in the axes of the base, three rows in [m/rad], then three in [rad/rad].
         twist: (6,) motion of the tool for each metre of path, in the axes of the base, [m/m] and [rad/m].
         free: 1 if the azimuth of the tool is free, 2 if the turn about its x axis is, 0 if none is.
         rates: (n,) in [rad/m], written.
@@ -264,21 +264,23 @@ def screw_table(
     rule: ToolRule,
     angles: FloatArray,
 ) -> tuple[SingleArray, BoolArray, BoolArray]:
-    """Return the scores of the points of a path from base poses.
+    """Return the scores of the points of a path for base poses, by numerical inverse kinematics.
 
-    Along the path a descent starts from the point before. At the first point, or if that descent fails,
-    descents start from the nearest postures of the pool, and the best score of those that succeed is taken.
+    The iteration for a point starts at the joints for the point before. At the first point, or if that
+    iteration fails, iterations start at the nearest postures of the pool, and the best score of those that
+    converge is taken.
 
     Args:
         chain: kinematics of the arm.
-        pool: postures where descents start.
+        pool: postures at which iterations start.
         stands: (b, 4) x, y in the world in [m], cosine and sine of the heading of the bases.
         path: path of the tool.
         rule: requirements.
-        angles: (b, p, n) in [rad], written unless it is empty.
+        angles: (b, p, n) joint angles in [rad], written unless the array is empty.
 
     Returns:
-        Scores (p, b), where they are usable (p, b), and the steps (p-1, b) in which the arm does not jump.
+        Scores (p, b); a mask (p, b), True where they are usable; and a mask (p-1, b), True where the arm
+        moves to the next point without a jump of its joints.
     """
     p, bases, n = len(path.poses), len(stands), len(chain.axes)
     values = np.zeros((p, bases), dtype=np.float32)

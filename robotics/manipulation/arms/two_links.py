@@ -11,7 +11,7 @@ from handcart.robotics.numerics.compiled import compiled
 def two_links(
     x: float, y: float, first: float, second: float, side: float
 ) -> tuple[bool, float, float, float, float, float]:
-    """Return unit vectors along both links that reach (x, y).
+    """Return unit vectors along the two links of a planar arm whose tip is at (x, y).
 
     Args:
         x: coordinate of the goal, in [m].

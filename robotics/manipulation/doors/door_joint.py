@@ -12,10 +12,10 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class DoorJoint(NamedTuple):
-    """Hinge with a vertical axis, or a level slide.
+    """Model of how a door moves: a hinge with a vertical axis, or a level slide.
 
-    The frame of a handle: origin in the middle of its bar, x away from the closed door towards somebody in
-    front of it, z up.
+    The frame of a handle has its origin in the middle of the handle's bar, x away from the closed door
+    towards somebody in front of it, and z up.
     """
 
     closed: Transform
@@ -35,7 +35,7 @@ class DoorJoint(NamedTuple):
 
         Args:
             handle: (4, 4) pose of the handle, in any frame; the joint returned is in that frame.
-            opening: opening of the door at that pose, in [rad], or in [m] for a slide.
+            opening: opening of the door when its handle is at this pose, in [rad], or in [m] for a slide.
         """
         return self._replace(closed=np.asarray(handle @ inverse(self._moved(opening))))
 
@@ -47,9 +47,10 @@ class DoorJoint(NamedTuple):
         return np.asarray(there @ transform(rpy=(0.0, 0.0, self.sign * opening)) @ inverse(there))
 
     def displaced(self, opening: float) -> Transform:
-        """Return the displacement (4, 4) of everything on the door by its opening, in [rad] or [m].
+        """Return the rigid displacement (4, 4) of the door from closed to an opening, in [rad] or [m].
 
-        It is in the frame of `closed`: displacement @ pose with the door closed is the pose at the opening.
+        It is given in the frame of `closed`: for any part of the door, displacement @ (pose with the door
+        closed) is the pose at the opening.
         """
         return np.asarray(self.closed @ self._moved(opening) @ inverse(self.closed))
 
@@ -71,7 +72,9 @@ class DoorJoint(NamedTuple):
         return self.sign * math.remainder(turn, 2.0 * math.pi)
 
     def travel(self, opening: float) -> float:
-        """Return the length, in [m], of the handle's path up to an opening in [rad] or [m]."""
+        """Return the length, in [m], of the handle's path from the closed door to an opening in [rad]
+        or [m].
+        """
         return opening if self.hinge is None else opening * self.radius
 
     def heading(self, opening: float) -> float:
@@ -85,7 +88,7 @@ class DoorJoint(NamedTuple):
     def opening_of(self, handle: Transform) -> float:
         """Return the opening at a pose of the handle, in [rad], or in [m] for a slide.
 
-        For a hinge it is determined by the handle's orientation, for a slide by its position.
+        For a hinge, the opening is computed from the handle's orientation, for a slide from its position.
 
         Args:
             handle: (4, 4) in the frame of `closed`.
@@ -96,5 +99,7 @@ class DoorJoint(NamedTuple):
         return self.sign * math.remainder(turn, 2.0 * math.pi)
 
     def curvature(self) -> float:
-        """Return the signed curvature of the handle's path, in [1/m]: positive to the left, 0 for a slide."""
+        """Return the signed curvature of the handle's path, in [1/m]: positive if the path bends to the left
+        as the door opens, 0 for a slide.
+        """
         return 0.0 if self.hinge is None else self.sign / self.radius

@@ -17,7 +17,7 @@ MIN_ROOT = 1e-9  # under the square root, of points beyond the middle of a circl
 
 
 class PathPrior(NamedTuple):
-    """Belief about the path before it was measured."""
+    """Expected path of a handle before it was measured, with uncertainties."""
 
     heading: float
     """Direction at the start, in [rad] from x of the points' frame, about z."""
@@ -32,7 +32,9 @@ class PathPrior(NamedTuple):
 
 
 class HingeFit(NamedTuple):
-    """Axis about which a handle turns."""
+    """Axis about which a handle turns as its door opens, with uncertainty, estimated from points of its
+    path.
+    """
 
     point: FloatArray
     """Point (3,) where the axis meets the plane of the path, in the frame of the fitted points, in [m]."""
@@ -49,11 +51,11 @@ class HingeFit(NamedTuple):
 
 
 class PathFit(NamedTuple):
-    """A level arc, or a line, in a plane that may slope a little.
+    """Path fitted to points of a handle: a level arc, or a line, in a plane that may slope a little.
 
-    Everything is in the frame of the fitted points, z up. `state` (6,): offset of the path to the left of
-    the origin in [m], heading there in [rad], curvature in [1/m], height over the origin in [m], slopes of
-    the plane along x and y without unit.
+    Everything is in the frame of the fitted points, z up. The six numbers of `state` are: offset of the path
+    to the left of `origin` in [m]; heading of the path next to `origin` in [rad]; curvature in [1/m]; height
+    above `origin` in [m]; slopes of the plane along x and y, without unit.
     """
 
     origin: FloatArray
@@ -76,32 +78,36 @@ class PathFit(NamedTuple):
 
     @property
     def is_curved(self) -> bool | None:
-        """True for an arc, False for a line, None while the points allow both."""
+        """True for an arc, False for a line, None if the points fit both."""
         size, sigma = abs(self.curvature), self.curvature_sigma
         if size > STRAIGHT_SIGMAS * sigma:
             return size > STRAIGHT_CURVATURE
         return False if size + STRAIGHT_SIGMAS * sigma < STRAIGHT_CURVATURE else None
 
     def turned(self, point: FloatArray) -> float:
-        """Return the path's turn in [rad], left positive, from its start to next to a point (3,) in [m]."""
+        """Return the path's turn in [rad], left positive, from its start to its point nearest to a point (3,)
+        in [m].
+        """
         u, v = _along_and_aside((point - self.origin)[None], self.state)
         return math.atan2(self.curvature * float(u[0]), 1.0 - self.curvature * float(v[0]))
 
     def travel(self, point: FloatArray) -> float:
-        """Return the length, in [m], of the path from its start to next to a point (3,) in [m]."""
+        """Return the length, in [m], of the path from its start to its point nearest to a point (3,) in
+        [m].
+        """
         if abs(self.curvature) < MIN_CURVATURE:
             return float(_along_and_aside((point - self.origin)[None], self.state)[0][0])
         return self.turned(point) / self.curvature
 
     def tangent(self, point: FloatArray) -> FloatArray:
-        """Return the unit vector (3,) along the path next to a point (3,) in [m]."""
+        """Return the unit vector (3,) along the path where it is nearest to a point (3,) in [m]."""
         heading = float(self.state[HEADING]) + self.turned(point)
         level = np.array([math.cos(heading), math.sin(heading)])
         way = np.append(level, level @ self.state[SLOPE_X:])
         return np.asarray(way / np.linalg.norm(way))
 
     def hinge(self) -> HingeFit:
-        """Return the axis of the arc, with its uncertainty by that of the fit.
+        """Return the axis of the arc, with the uncertainty that follows from the fit's covariance.
 
         Raises:
             ZeroDivisionError: the path is straight.
@@ -130,13 +136,13 @@ def fit_path(points: FloatArray, sigma: float, prior: PathPrior) -> PathFit:
     """Fit an arc or a line to points of a handle's path, by least squares of the distances.
 
     The parameters are those of Karimäki (1991), "Effective circle fitting for particle trajectories", eq. 1:
-    they have no singularity at the straight line, so one fit serves hinges and slides.
+    they have no singularity for a straight line, so the same fit is used for hinges and slides.
 
     Args:
         points: (n, 3) measured points in the order of the motion, in any frame with z up, in [m]; at least
             one.
         sigma: standard deviation of each coordinate, in [m]; errors of different points are independent.
-        prior: belief that counts as further measurements.
+        prior: expected path, which is used like additional measurements.
     """
     from scipy.optimize import least_squares
 

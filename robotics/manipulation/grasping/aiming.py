@@ -24,9 +24,10 @@ def aim(
     moving: BoolArray,
     start: FloatArray,
 ) -> tuple[FloatArray, float]:
-    """Turn a camera towards a point by some of its joints, as far as their limits allow.
+    """Return joints that turn a camera towards a point, as far as the limits of the joints allow.
 
-    Damped least squares on the two angles between the optical axis and the point.
+    Computed by damped least squares of the two angles between the optical axis and the direction to the
+    point.
 
     Args:
         arm: kinematics whose joints move the camera.
@@ -37,7 +38,8 @@ def aim(
         start: (n,) joints at the start, in [rad] or [m].
 
     Returns:
-        Joints (n,) in [rad] or [m], and the angle that is left between axis and point, in [rad].
+        Joints (n,) in [rad] or [m], and the remaining angle between the optical axis and the direction to the
+        point, in [rad].
     """
     joints = np.array(start, dtype=np.float64)
     chosen = np.flatnonzero(moving)

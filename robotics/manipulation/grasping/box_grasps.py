@@ -19,7 +19,7 @@ TILTS_RAD = (0.0, math.radians(30.0), math.radians(-30.0), math.radians(55.0), m
 
 
 class Grasp(NamedTuple):
-    """Pose of the hand around a box."""
+    """Pose of a hand that grips an object, in the frame of the object, and the width between its fingers."""
 
     box_T_hand: Transform
     """Pose (4, 4) of the hand, x along the approach, y along the closing direction.
@@ -37,16 +37,16 @@ class Grasp(NamedTuple):
 def box_grasps(
     size: tuple[float, float, float], opening: float, tip: float, faces: Collection[str] | None = None
 ) -> Iterator[Grasp]:
-    """Yield the grasps of a box, straight ones first.
+    """Yield hand poses that grip a box, those with the hand straight to a side first.
 
-    The pads close on two opposite sides; the hand comes from a side between them, straight or turned about
-    the closing direction. Never from below.
+    The fingers close on two opposite sides of the box. The hand approaches one of the other sides, but not
+    the bottom, at a right angle or tilted about the closing direction.
 
     Args:
-        size: of the box along its x, y and z, in [m].
+        size: size of the box along its x, y and z, in [m].
         opening: largest opening of the fingers, in [m].
         tip: distance from the frame `hand` to the finger tips, in [m].
-        faces: allowed sides; None for all.
+        faces: sides that the hand may approach, named by their normals such as `+z`; None for all.
     """
     for tilt in TILTS_RAD:
         for axis, sign, face in ((2, 1, "+z"), (0, -1, "-x"), (0, 1, "+x"), (1, -1, "-y"), (1, 1, "+y")):
@@ -63,11 +63,13 @@ def box_grasps(
 def hand_on(
     height: float, extent: float, tip: float, normal: FloatArray, closing: FloatArray, tilt: float
 ) -> Transform:
-    """Return box_T_hand (4, 4) whose tips are `BITE_M` below a side.
+    """Return the pose box_T_hand (4, 4) at which the finger tips are `BITE_M` behind a side of a box.
+
+    If the box is thin along the side's normal, the tips are less far behind the side.
 
     Args:
-        height: of the box, in [m].
-        extent: of the box along the side's normal, in [m].
+        height: height of the box, in [m].
+        extent: extent of the box along the side's normal, in [m].
         tip: distance from the frame `hand` to the finger tips, in [m].
         normal: (3,) unit vector out of the side, in the frame of the box.
         closing: (3,) unit vector in which the pads close, in the frame of the box.

@@ -25,12 +25,12 @@ def from_direction(tilt: float, azimuth: float) -> FloatArray:
 def camera_poses(
     point: FloatArray, towards: FloatArray, distance: float, rolls: Sequence[float] = ROLLS_RAD
 ) -> Iterator[Transform]:
-    """Yield the poses (4, 4) of an optical frame (z forward, x right, y down) that has a point in its middle.
+    """Yield poses (4, 4) of a camera's optical frame (z forward, x right, y down) whose z axis meets a point.
 
     Args:
         point: (3,) in any frame with z up, in [m]; the poses are in that frame.
         towards: (3,) unit vector from the point to the camera, in the same frame.
-        distance: from the camera to the point, in [m].
+        distance: distance from the camera to the point, in [m].
         rolls: turns about the optical axis, in [rad]; at 0 the picture's rows are level.
     """
     ahead = -towards

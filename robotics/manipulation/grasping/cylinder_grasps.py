@@ -25,14 +25,14 @@ def cylinder_grasps(
     above: bool = True,
     around: bool = True,
 ) -> Iterator[Grasp]:
-    """Yield the grasps of an upright cylinder, straight ones from above first.
+    """Yield hand poses that grip an upright cylinder, vertical ones from above first.
 
-    From above the pads close on the round side in any direction; from aside they close on it or on the ends.
-    Turns about the axis begin at the direction to the robot.
+    From above, the fingers close on the round side, in any direction. From the side, they close on the round
+    side or on the two ends. Turns about the cylinder's axis begin at the direction to the robot.
 
     Args:
-        diameter: in [m].
-        height: in [m].
+        diameter: diameter of the cylinder, in [m].
+        height: height of the cylinder, in [m].
         opening: largest opening of the fingers, in [m].
         tip: distance from the frame `hand` to the finger tips, in [m].
         towards: azimuth of the direction to the robot in the frame of the cylinder, in [rad].

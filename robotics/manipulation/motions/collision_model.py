@@ -21,15 +21,14 @@ _TOUCH = 1e-6  # coal calls overlapping bodies free at margin 0: its GJK stops a
 class CollisionModel:
     """Collision checks of an arm against obstacles, for one pose of the base.
 
-    Bodies are convex (a mesh counts as its hull), checked by coal (the successor of FCL that comes with
-    Pinocchio: all pairs in one call, signed distances). Checked are links against links (except a link and
-    its neighbour along the chain, and links that can't move against each other), links against obstacles,
-    and the held body against both (except the hand that holds it). Links that the arm doesn't move (the
-    base) aren't checked against the obstacles. The model doesn't change; build another when the hand takes
-    something.
+    Bodies are convex: a mesh is replaced by its convex hull. They are checked by the library coal, the
+    successor of FCL. Links are checked against each other, except neighbours along the chain and links that
+    can't move against each other. Links that the arm moves are checked against the obstacles, but not the
+    base. A held body is checked against links and obstacles, except the hand that holds it. A model doesn't
+    change; create another one when the hand takes something.
 
     Args:
-        arm: the arm; finger positions as in it (`ArmModel.with_others`).
+        arm: the arm; its fingers are where it states (`ArmModel.with_others`).
         obstacles: bodies posed in the frame world.
         held: a body posed in the frame of the arm's tip, or None.
         world_T_base: (4, 4) pose of the arm's base link in the frame of the obstacles; None: the same
@@ -92,7 +91,7 @@ class CollisionModel:
         return float(self._data.distanceResults[closest].min_distance)
 
     def contacts(self, q: FloatArray) -> list[tuple[str, str]]:
-        """Return the names of all pairs of bodies closer than the margin for messages.
+        """Return pairs of names, for messages, of all bodies that are closer to each other than the margin.
 
         Args:
             q: (n,) joint angles, in [rad] or [m].
@@ -113,7 +112,7 @@ class CollisionModel:
 
         Args:
             q: (n,) joint angles, in [rad] or [m].
-            body: posed in the frame of the obstacles.
+            body: other body, posed in the frame of the obstacles.
         """
         other = CollisionModel(self.arm, (body,), self._held_body, self._world_T_base)
         return any(body.name in pair for pair in other.contacts(q))
@@ -124,8 +123,9 @@ class CollisionModel:
         Args:
             q_from: (n,) joint angles, in [rad] or [m].
             q_to: (n,) joint angles, in [rad] or [m].
-            step: largest joint motion between two checks, in [rad]. At 0.9 m reach 0.01 rad is at most 9 mm
-                at the fingertips; a `margin` of half of that covers the gaps between checks.
+            step: largest joint motion between two checks, in [rad]. With a reach of 0.9 m, 0.01 rad moves the
+                fingertips by at most 9 mm; a collision margin of half that distance covers the gaps between
+                checks.
         """
         count = max(1, int(np.ceil(float(np.abs(q_to - q_from).max()) / step)))
         if self.in_collision(q_to) or self.in_collision(q_from):

@@ -31,24 +31,24 @@ def plan_motion(
 ) -> FloatArray | None:
     """Return a free path of straight joint lines between two postures; None if none was found.
 
-    The straight line is taken when it is free; otherwise RRT-Connect (Kuffner and LaValle 2000, from OMPL)
-    searches between the joint limits and its path is shortened. Continuous joints turn the shorter way:
-    the path ends in the turn of `q_goal` that is nearest to `q_start`; if no path is found, one of them
-    after the other turns the longer way. The same seed gives the same path: effort is bounded by the
-    number of lines, not by time.
+    The straight line is returned if it is free. Otherwise a path is searched by RRT-Connect (Kuffner and
+    LaValle 2000, implemented in OMPL) within the joint limits, and shortened. Continuous joints turn the
+    shorter way, so the path may end at `q_goal` plus full turns. If no path is found, one continuous joint
+    after the other turns the longer way. The same seed gives the same path, because the effort is bounded by
+    the number of lines, not by time.
 
     Args:
         arm: kinematics of the arm.
         collision: bodies to keep clear of.
-        q_start: (n,) in [rad] or [m].
-        q_goal: (n,) in [rad] or [m].
+        q_start: (n,) joint angles at the start, in [rad] or [m].
+        q_goal: (n,) joint angles at the goal, in [rad] or [m].
         seed: seed of the search.
-        max_branches: maximum number of lines tried for each turn of the goal.
+        max_branches: maximum number of lines tried for each choice of turns.
         step: distance of checks on a line, in [rad].
 
     Returns:
-        (m, n) in [rad] or [m]; None also if an end is in collision (`collision.contacts` names the pairs) or
-        beyond the limits.
+        Waypoints (m, n) in [rad] or [m]; None also if an end is in collision (`collision.contacts` names the
+        pairs) or beyond the limits.
     """
     if not (arm.within(q_start, LIMIT_ROUNDING) and arm.within(q_goal, LIMIT_ROUNDING)):
         return None
@@ -77,19 +77,19 @@ def plan_straight(
     step: float = 0.005,
     collision: CollisionModel | None = None,
 ) -> FloatArray | None:
-    """Return joint angles that move the tip in a straight line to a pose; None if no such ones exist.
+    """Return joint angles that move the tip in a straight line to a pose; None if that is not possible.
 
     Args:
         arm: kinematics of the arm.
         q_start: (n,) joint angles at the start, in [rad] or [m].
         base_T_goal: (4, 4) pose of the tip at the end.
-        step: largest motion of the tip from one row to the next, in [m]; it turns at most 10 times as many
-            [rad].
+        step: largest motion of the tip from one row to the next, in [m]; per step the tip turns by at most 10
+            rad for each metre of `step`.
         collision: bodies to keep clear of; None: collisions are not checked.
 
     Returns:
-        (m, n) in [rad] or [m]; None if a pose on the line can't be reached without the arm leaping to
-        another configuration, or if it collides.
+        (m, n) in [rad] or [m]; None if a pose on the line can't be reached without a jump of the joints to
+        another configuration, or if the arm collides.
     """
     start, goal = pin.SE3(arm.forward(q_start)), pin.SE3(base_T_goal)
     motion = pin.log6(start.actInv(goal)).vector

@@ -20,14 +20,14 @@ from .toppra_library import (
 def highest_speed(
     rounded: RoundedPath, velocity: FloatArray, acceleration: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the highest speed along a path at its arc lengths, starting and ending at rest.
+    """Return the highest possible speed along a joint path as a function of arc length, from rest to rest.
 
     Source: TOPP-RA, Pham and Pham 2018.
 
     Args:
         rounded: the path, in [rad].
-        velocity: (n,) limits, in [rad/s].
-        acceleration: (n,) limits, in [rad/s²].
+        velocity: (n,) velocity limits of the joints, in [rad/s].
+        acceleration: (n,) acceleration limits of the joints, in [rad/s²].
 
     Returns:
         Arc lengths (g,) in [rad], and the speed at each (g,) in [rad/s].

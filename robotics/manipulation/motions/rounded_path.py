@@ -8,7 +8,9 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class RoundedPath:
-    """Straight lines joined by circular arcs, by arc length: Kunz and Stilman (2012), section IV.
+    """Joint path of straight lines joined by circular arcs, as in Kunz and Stilman (2012), section IV.
+
+    A point of the path is given by its arc length from the start, which is Euclidean over all joints.
 
     Args:
         corners: waypoints (m, n), m at least 2, none repeating the one before, no reversal on the spot.
@@ -42,7 +44,7 @@ class RoundedPath:
     def at(self, s: FloatArray, order: int = 0) -> FloatArray:
         """Return the joint angles at arc lengths, or their derivative by arc length.
 
-        At a knot the derivatives are those of the piece that begins there.
+        Where a line and an arc meet, the derivatives are those of the piece that begins there.
 
         Args:
             s: (k,) arc lengths, in [rad] over all joints.

@@ -42,9 +42,10 @@ for name in _stand_ins:
 
 
 class SeidelToppra(TOPPRA):  # type: ignore[misc]
-    """TOPP-RA with the solver of Seidel, which is compiled into toppra.
+    """Time-optimal path parametrization TOPP-RA with Seidel's solver, which is compiled into the library
+    toppra.
 
-    Its own constructor searches the disk for the other solvers each time.
+    It replaces toppra's constructor, which searches the disk for other solvers each time.
     """
 
     def __init__(self, constraints: Sequence[object], path: AbstractGeometricPath, grid: FloatArray) -> None:

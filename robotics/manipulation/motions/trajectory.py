@@ -21,12 +21,14 @@ def time_path(
     both.
 
     The path is followed as fast as the limits allow: its corners are rounded by arcs, then its speed is
-    chosen by TOPP-RA (Pham and Pham 2018). At corners that turn back on themselves the arm stops.
+    chosen by TOPP-RA (Pham and Pham 2018). At corners where the path reverses its direction the arm stops.
 
     Args:
         path: waypoints (m, n) joined by straight lines, in [rad].
-        velocity: limits (n,), in [rad/s]; first differences of the set-points keep them, from and to rest.
-        acceleration: limits (n,), in [rad/s²]; second differences of the set-points keep them.
+        velocity: limits (n,), in [rad/s]; differences of successive set-points, divided by the period, keep
+            them, from and to rest.
+        acceleration: limits (n,), in [rad/s²]; second differences of the set-points, divided by the squared
+            period, keep them.
         period: time between set-points, in [s].
         deviation: allowed distance of the set-points from the lines at a corner, in [rad] over all joints;
             check the path with a margin that covers it (0.005 rad move a fingertip by at most 5 mm).

@@ -21,7 +21,9 @@ _NO_ROTATION = "has a rotation that is none"
 
 
 class ToolPath(NamedTuple):
-    """p points along a seam, in the frame world. The tool points along the x axis of its frame."""
+    """Path of a tool, given by p of its poses in the frame world; the tool points along the x axis of its
+    frame.
+    """
 
     points: FloatArray
     """(p, 3), in [m]."""
@@ -36,15 +38,15 @@ class ToolPath(NamedTuple):
 
     @property
     def length(self) -> float:
-        """The whole arc length, in [m]."""
+        """Arc length of the complete path, in [m]."""
         return float(self.lengths[-1])
 
     @property
     def twists(self) -> FloatArray:
         """Return the motion (p, 6) of the tool for each metre of path, in the world, [m/m] and then [rad/m].
 
-        Two unit vectors joined, as below eq. 3 of Shin (2005), would mix units and be 0/0 on a seam along
-        which the tool doesn't turn.
+        Shin (2005) instead joins the unit vectors of translation and of rotation (below eq. 3). That mixes
+        units, and is undefined on a seam along which the tool doesn't turn.
         """
         return np.hstack((self.tangents, self.turns))
 
@@ -56,12 +58,14 @@ class ToolPath(NamedTuple):
         return poses
 
     def part(self, first: int, last: int) -> ToolPath:
-        """Points `first` to `last`, both included; arc length starts at zero again."""
+        """Return the part of the path from point `first` to point `last`, both included; arc length starts at
+        zero again.
+        """
         cut = ToolPath(*(field[first : last + 1] for field in self))
         return cut._replace(lengths=cut.lengths - cut.lengths[0])
 
     def at(self, lengths: FloatArray) -> ToolPath:
-        """Return the path at other points, on straight lines between its own.
+        """Return the path with other points, interpolated on straight lines between its present points.
 
         Args:
             lengths: (k,) arc lengths, in [m].
@@ -87,8 +91,8 @@ def tool_path(
         longest_turn: maximum turn between two points, in [rad]; more is a jump.
 
     Raises:
-        Untrackable: a point has a NaN, is not a pose, repeats the one before or jumps; the first one is
-            named.
+        Untrackable: a point has a NaN, is not a pose, repeats the point before or jumps; names the first such
+            point.
         ValueError: fewer than two poses.
     """
     poses = np.asarray(poses, dtype=np.float64)

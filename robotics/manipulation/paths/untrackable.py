@@ -6,10 +6,10 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class Untrackable(ValueError):
-    """A path that no arm, or no set of placements, can follow.
+    """Error for a path that the arm cannot follow, or for which no set of base poses exists.
 
     Attributes:
-        index: number of the first bad point, from 0; a file's line follows from it.
+        index: number of the first bad point, from 0, from which a caller can compute its line in a file.
         why: what is wrong with that point.
         nearest: position (3,) near that point, in [m], that could be tracked; None where none is known.
     """

@@ -25,7 +25,9 @@ _ATTEMPTS = 40  # at ways that the arm follows, point by point
 
 
 class Leg(NamedTuple):
-    """A straight drive of the base, and the part of a path that is followed during it."""
+    """Straight drive of the base during which the arm follows a part of a path, with its start and its
+    score.
+    """
 
     start: Pose2
     """world_T_base at the path's first point."""
@@ -34,13 +36,14 @@ class Leg(NamedTuple):
 
 
 def level_with(start: Pose2, points: FloatArray) -> FloatArray:
-    """Return poses (p, 3) of a base that drives straight on from `start`, level with points of a path.
+    """Return poses (p, 3) of a base that drives straight from `start` while its arm follows a path.
 
-    If the path leads backwards, so does the base. Poses are x, y in [m] and heading in [rad].
+    At each point of the path the base has come as far as the path has, measured along the base's heading; if
+    the path leads backwards, the base drives backwards. Poses are x, y in [m] and heading in [rad].
 
     Args:
         start: world_T_base at the first point.
-        points: (p, 3) in the world, in [m].
+        points: (p, 3) points of the path in the world, in [m].
     """
     ahead = np.array([np.cos(start.theta), np.sin(start.theta)])
     along = (points[:, :2] - points[0, :2]) @ ahead
@@ -66,17 +69,19 @@ def seen_from(bases: FloatArray, path: ToolPath) -> ToolPath:
 def place_alongside(
     placer: Placer, path: ToolPath, blocked: Blocked, count: int, free: Free | None = None
 ) -> Placements:
-    """Return as few straight drives along a path as possible; the path is cut into equal parts for them.
+    """Return straight drives of the base along a path, as few as possible, each for an equal part of the
+    path.
 
-    The score is that of a base at rest (`Placer`), at each point with the base's pose then: even if it
-    went no farther from there, the arm alone would be fast and strong enough.
+    The score at each point is that of a base at rest (`Placer`) at the pose that it has at this point. So the
+    arm alone is fast and strong enough there, without the base's motion.
 
     Args:
         placer: placer of the arm and its work.
         path: path of the tool.
-        blocked: check of many base poses.
+        blocked: function that reports which of many base poses are blocked.
         count: maximum number of drives.
-        free: check of poses along a drive, with the angles (1, n) there.
+        free: function that reports whether base poses along a drive are free of contact, with the joint
+            angles (1, n) at each.
 
     Returns:
         Placements whose `bases` are the beginnings of the drives.

@@ -44,9 +44,10 @@ COARSE_GRID = _Grid(0.2, 6, 100, 2500)  # for any arm: tens of us
 
 
 class BaseScorer:
-    """Scorer of base poses for one arm and its work, with the arm's motion along a path from one of them.
+    """Scorer of base poses for one arm and its work; also returns the joints along a path from a base pose.
 
-    Scores are those of a `Measure`; by default eq. 6 of Shin (2005), and the exact condition for speed.
+    Scores are computed by a `Measure`. By default this is eq. 6 of Shin (2005) together with the exact
+    condition for the joints' speed.
 
     Raises:
         ValueError: a joint of the arm slides, or has no lever that is fast and strong enough.
@@ -76,7 +77,8 @@ class BaseScorer:
         return self.scores_by(bases, path, self.rule)
 
     def reached(self, bases: FloatArray, path: ToolPath) -> BoolArray:
-        """Return a mask (b, p): which points of a path the arm reaches from base poses, however slowly.
+        """Return a mask (b, p), True for points of a path that the arm reaches from a base pose, at any
+        speed.
 
         Args:
             bases: (b, 3) world_T_base: x, y in [m], heading in [rad].
@@ -86,7 +88,9 @@ class BaseScorer:
 
     @property
     def spacing(self) -> tuple[float, float]:
-        """Spacing of the `candidates` in [m], and of their headings in [rad]."""
+        """Distance between neighbouring base poses in the grid of `candidates`, in [m], and between headings,
+        in [rad].
+        """
         return self.step, 2.0 * np.pi / self.grid.headings
 
     def scores_by(self, bases: FloatArray, path: ToolPath, rule: ScoreRule) -> PlacementScores:
@@ -95,18 +99,20 @@ class BaseScorer:
         Args:
             bases: (b, 3) world_T_base: x, y in [m], heading in [rad].
             path: path of the tool in the world.
-            rule: measure and limits.
+            rule: rule for the score: its measure, and the limits of the joints.
         """
         if self.pitch_arm is not None:
             return self.pitch_arm.scores(bases, path, rule)
         return self._screw_arm.scores(bases, path, rule)
 
     def robust_scores(self, bases: FloatArray, path: ToolPath) -> PlacementScores:
-        """Return the scores, with only those cells usable that are reached from neighbouring base poses as
-        well.
+        """Return the scores of a path's points from base poses, robust against small errors of the base's
+        pose.
 
-        Scores of an arm with a closed form are unchanged: there only the few chosen placements are
-        checked.
+        A point is usable from a base pose only if the arm reaches it from neighbouring base poses as well.
+
+        For an arm with closed-form inverse kinematics the scores are unchanged, because neighbours are
+        checked later for the few chosen base poses.
 
         Args:
             bases: (b, 3) world_T_base: x, y in [m], heading in [rad].
@@ -179,12 +185,12 @@ class BaseScorer:
 
     @property
     def reach(self) -> float:
-        """Largest distance of a tool from the base's origin, seen from above, in [m]."""
+        """Upper bound of the tool's horizontal distance from the base's origin, in [m]."""
         return float(self._screw_arm.chain.reach + np.hypot(*self._screw_arm.chain.points[0, :2]))
 
     def followed(self, base: FloatArray, path: ToolPath) -> FloatArray:
-        """Return the joints (p, n) along a path as `joints` does; raise if the arm does not
-        follow from poses slightly off.
+        """Return joint angles (p, n), in [rad], along a path, and check that small errors of the base's pose
+        are allowed.
 
         Args:
             base: (3,) world_T_base: x, y in [m], heading in [rad].
@@ -219,5 +225,5 @@ class BaseScorer:
 
 
 def path_points(path: ToolPath, kept: IndexArray) -> ToolPath:
-    """Return the path with only the points of these numbers (k,)."""
+    """Return the path with only the points whose indices are in `kept` (k,), in that order."""
     return ToolPath(*(field[kept] for field in path))

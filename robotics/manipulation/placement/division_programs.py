@@ -16,9 +16,11 @@ from handcart.robotics.numerics.compiled import compiled, compiled_for
 def layers(
     values: SingleArray, usable: BoolArray, joined: BoolArray, steps: FloatArray, count: int
 ) -> IntArray:
-    """Return the placement (p-1,) of each step of the division with the greatest integral.
+    """Return the placements of the division with the greatest integral of the score, one for each step,
+    (p-1,).
 
-    There must be a division: `fewest_placements` of them are at most `count`.
+    A step leads from a point of the path to the next, and is tracked from one base pose, its placement. At
+    least one division into `count` placements must exist (see `fewest_placements`).
 
     Args:
         values: (p, b) scores of points from placements, from 0 to 1.
@@ -72,8 +74,10 @@ def _backwards(stays: BoolArray, tops: FloatArray, holders: IntArray) -> IntArra
 def cheapest_layers(
     values: SingleArray, usable: BoolArray, joined: BoolArray, steps: FloatArray, cost: float
 ) -> IntArray:
-    """Return the placement (p-1,) of each step of the division with the greatest integral less the cost of
-    moves.
+    """Return the placements of the division with the greatest value, one for each step, (p-1,).
+
+    The value is the integral of the score along the path less the cost of moves. A step leads from a point of
+    the path to the next, and is tracked from one base pose, its placement.
 
     Args:
         values: (p, b) scores of points from placements, from 0 to 1.
@@ -113,14 +117,15 @@ def cheapest_layers(
 
 @compiled_for("(b1[:,::1], b1[:,::1], i8)")
 def farthest_run(usable: BoolArray, joined: BoolArray, first: int) -> tuple[int, int]:
-    """Return the placement that gets farthest from the point `first`, and the last point of its run.
+    """Return the placement that tracks a path farthest from the point `first` on, and the last point that it
+    tracks.
 
-    If no placement continues, these are -1 and `first`.
+    If no placement reaches the next point, -1 and `first` are returned.
 
     Args:
         usable: (p, b) True where a placement reaches a point.
         joined: (p-1, b) True where the arm does not jump in a step; empty: it jumps in none.
-        first: index of the point where the run begins.
+        first: index of the first point.
     """
     placement, farthest = -1, first
     for b in range(usable.shape[1]):
@@ -149,7 +154,8 @@ def segment_score(values: SingleArray, steps: FloatArray, placement: int, first:
 
 @compiled
 def run_end(usable: BoolArray, joined: BoolArray, first: int, placement: int) -> int:
-    """Return the index of the last point of the run of a placement that begins at the point `first`.
+    """Return the index of the last point that a placement reaches without interruption from the point `first`
+    on.
 
     Args:
         usable: (p, b) True where a placement reaches a point.

@@ -17,14 +17,15 @@ _FINEST = 0.001  # [m]
 
 
 def with_nearest(error: Untrackable, scorer: Scorer, path: ToolPath, bases: FloatArray) -> Untrackable:
-    """Return the error with the nearest position that could be tracked from one of the base poses.
+    """Return an error for an unreachable point, completed by the nearest position that some base pose can
+    track.
 
-    The point is moved along 26 directions, outwards by up to 22 m until some placement can use it, and back
-    to within a millimetre; tool and tangent are unchanged. So "nearest" is among these directions. The
-    position is None if nothing is usable up to there.
+    The point is moved by up to 22 m in each of 26 directions, until the arm reaches it from some base pose.
+    The distance is then found to a millimetre. The tool's rotation and the tangent are unchanged. "Nearest"
+    is only among these directions. The position is None if the arm reaches none of the moved points.
 
     Args:
-        error: names the point that can't be tracked.
+        error: error that names the point that can't be tracked.
         scorer: returns the scores of base poses.
         path: path of the tool in the world.
         bases: (b, 3) world_T_base: x, y in [m], heading in [rad].

@@ -15,8 +15,9 @@ from .division_programs import cheapest_layers, farthest_run, layers, segment_sc
 
 
 class PathSegment(NamedTuple):
-    """Part of the path that is tracked from one placement. The next segment begins at this one's last
-    point.
+    """Part of a path that the arm tracks from one pose of the base, its placement.
+
+    The next segment begins at the last point of this segment.
     """
 
     placement: int
@@ -27,7 +28,7 @@ class PathSegment(NamedTuple):
 
 
 class Division(NamedTuple):
-    """Segments in the order of the path."""
+    """Division of a path into segments, each tracked from one pose of the base, with its total score."""
 
     segments: tuple[PathSegment, ...]
     score: float
@@ -50,19 +51,23 @@ def fewest_placements(scores: PlacementScores) -> int:
     """Return the smallest number of placements that track the whole path.
 
     Raises:
-        Untrackable: no set of placements does; the first bad point is named.
+        Untrackable: no set of placements tracks the whole path; names the first bad point.
     """
     return len(_longest_first(scores))
 
 
 def best_division(scores: PlacementScores, lengths: FloatArray, count: int) -> Division:
-    """Return the division among at most `count` placements with the greatest integral: exact.
+    """Return the division of a path among at most `count` placements with the greatest integral of the score.
 
-    By layered dynamic programming over the steps j of the path and the placements b: D_k(j, b) = gain(b,
-    j) + max(D_k(j-1, b), max over b' of D_{k-1}(j-1, b')). The integral never falls with more placements,
-    so their number must be given; see `best_division_by_cost`.
+    The result is the exact optimum.
 
-    Among equals the placement with the lowest number is taken: order base poses by preference.
+    By layered dynamic programming over the steps j of the path and the placements b: D_k(j, b) = gain(b, j) +
+    max(D_k(j-1, b), max over b' of D_{k-1}(j-1, b')). D_k(j, b) is the best integral up to step j with k
+    placements, the last of which is b. The integral never falls with more placements, so their number must be
+    limited; see also `best_division_by_cost`.
+
+    Among placements of equal value the one with the lowest number is taken, so base poses should be in the
+    order of preference.
 
     Args:
         scores: scores of the placements.
@@ -81,7 +86,10 @@ def best_division(scores: PlacementScores, lengths: FloatArray, count: int) -> D
 
 
 def best_division_by_cost(scores: PlacementScores, lengths: FloatArray, cost: float) -> Division:
-    """Return the division with the greatest integral less `cost` for each move of the base: exact.
+    """Return the division of a path with the greatest integral of the score, less `cost` for each move of the
+    base.
+
+    The result is the exact optimum.
 
     Args:
         scores: scores of the placements.
@@ -98,15 +106,15 @@ def best_division_by_cost(scores: PlacementScores, lengths: FloatArray, cost: fl
 def score_arrays(
     scores: PlacementScores, lengths: FloatArray
 ) -> tuple[SingleArray, BoolArray, BoolArray, FloatArray]:
-    """Return the contiguous arrays of scores that compiled functions take.
+    """Return the data of scores as contiguous arrays, for compiled functions.
 
     Args:
         scores: scores of the placements.
         lengths: (p,) arc length of the points, in [m].
 
     Returns:
-        Scores (p, b) and where they are usable (p, b), joined steps (p-1, b) or an empty array, and lengths
-        of the steps (p-1,) in [m].
+        Scores (p, b); a mask (p, b), True where they are usable; a mask (p-1, b), True for steps in which the
+        arm does not jump, or an empty array if it never jumps; and lengths (p-1,) of the steps, in [m].
     """
     joined = np.zeros((0, 0), dtype=np.bool_) if scores.joined is None else scores.joined.T
     return (
@@ -132,7 +140,9 @@ def _longest_first(scores: PlacementScores) -> list[PathSegment]:
 
 
 def stuck_at(scores: PlacementScores, index: int) -> Untrackable:
-    """Return the error for a point from which no placement continues."""
+    """Return the error for the point `index` of a path, from which no placement tracks the path any
+    further.
+    """
     scores.check()
     return Untrackable(index + 1, "can't be tracked from a placement that also tracks the point before it")
 

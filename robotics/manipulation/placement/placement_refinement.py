@@ -26,7 +26,7 @@ _FINEST = 1e-3  # of the first radius
 
 
 class Refinement(NamedTuple):
-    """A division among placements that are not bound to a grid."""
+    """Division of a path among base poses that were improved beyond the points of the grid, with the gain."""
 
     bases: FloatArray
     """(k, 3): one for each segment, x and y in [m], heading in [rad]."""
@@ -45,7 +45,9 @@ def refine(
     turn: float,
     seed: int = 0,
 ) -> Refinement:
-    """Move each placement to its segment's best score, divide again among old and new, and repeat.
+    """Improve a division: move each base pose to its segment's best score, divide again, and repeat.
+
+    Each division is among the present base poses and the moved ones.
 
     The search ends when neither improves the score: at a local optimum, never worse than the start.
     It does not bound the distance from the global optimum: see `placement_bound`.
@@ -53,10 +55,10 @@ def refine(
     Args:
         scorer: returns the scores of base poses.
         path: path of the tool.
-        bases: (b, 3) world_T_base, x, y in [m] and heading in [rad], that the division numbers.
+        bases: (b, 3) world_T_base, x, y in [m] and heading in [rad]; the division refers to them by row.
         division: the division to begin with.
-        radius: distance from a placement at which the search begins, in [m]: the step of the grid.
-        turn: turn from a placement at which the search begins, in [rad]: the step of the grid.
+        radius: first search distance around a base pose, in [m]: the step of the grid.
+        turn: first search angle around a base pose's heading, in [rad]: the step of the grid.
         seed: seed of the search's random poses.
     """
     rng = np.random.default_rng(seed)

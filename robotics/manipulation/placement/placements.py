@@ -23,7 +23,7 @@ class Work(NamedTuple):
 
 
 class Placements(NamedTuple):
-    """A path divided among base placements."""
+    """Path divided into segments, each with the pose of the base from which the arm tracks it."""
 
     bases: FloatArray
     """(k, 3): x and y in [m], heading in [rad]; one for each segment."""

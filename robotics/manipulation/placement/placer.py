@@ -35,11 +35,13 @@ _HALVINGS = 2  # of the coarse grid, around the places found on it
 
 
 class Placer(BaseScorer):
-    """Search for placements of one arm and its work, exact on a grid, then moved to the best score nearby.
+    """Search for base poses, called placements, from which one arm can do its work along a path.
+
+    The best division is found exactly on a grid of base poses, which are then moved to the best score nearby.
 
     An arm with a closed form (`PitchArm`) is tried from about 20,000 base poses, any other from about 2000,
-    on fewer points. Every part of a division is then followed point by point; a base from which that fails
-    is excluded, and the search begins again.
+    on fewer points. Every part of a division is then followed point by point; a base pose from which the arm
+    does not follow is excluded, and the search begins again.
     """
 
     def place(
@@ -50,18 +52,19 @@ class Placer(BaseScorer):
         free: Free | None = None,
         cost: float = 0.0,
     ) -> Placements:
-        """Return the best division of a path.
+        """Return the division of a path among base poses with the best score.
 
         Args:
             path: path of the tool.
-            blocked: check of many base poses.
+            blocked: function that reports which of many base poses are blocked.
             count: maximum number of placements; None: as few as possible.
-            free: check of the chosen placements, with the joint angles along their parts of the path.
+            free: function that reports whether the robot touches nothing at a chosen placement, given the
+                joint angles along its part of the path.
             cost: score that one more placement must gain, in [m].
 
         Raises:
-            Untrackable: no set of placements tracks the path, with the first bad point and the nearest that
-                can be reached; or more than `count` are needed.
+            Untrackable: no set of placements tracks the path, or more than `count` are needed; names the
+                first bad point, and the nearest position that can be reached if one is known.
         """
         kept = _thinned(len(path.points), self.grid.points)
         thin = path_points(path, kept)

@@ -17,7 +17,9 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 
 class OpenFloor:
-    """Areas of a map in which a round base can move freely, without a route from one to another."""
+    """Connected areas of a map in which a round base can move freely; no route leads from one area to
+    another.
+    """
 
     def __init__(self, grid: GridMap, radius: float) -> None:
         """Divide a map.
@@ -33,7 +35,7 @@ class OpenFloor:
         self._rooms, _ = ndimage.label(away >= radius, structure=np.ones((3, 3)))
 
     def reached_from(self, start: tuple[float, float]) -> BoolArray:
-        """Return a mask (h, w) of the map's cells that a base gets to from a place.
+        """Return a mask (h, w), True for cells of the map that a base can drive to from a place.
 
         Args:
             start: x and y on the map, in [m]; off the map nothing is reached.
@@ -44,11 +46,11 @@ class OpenFloor:
         return np.asarray((self._rooms == home) & (home != 0))
 
     def leads_to(self, bases: FloatArray, reached: BoolArray) -> BoolArray:
-        """Return a mask (b,) of the base poses that are on reached cells.
+        """Return a mask (b,), True for base poses on cells that the base can drive to.
 
         Args:
             bases: (b, 3) map_T_base: x, y in [m], heading in [rad].
-            reached: (h, w) mask of the map's cells that the base gets to.
+            reached: (h, w) mask of the map's cells that the base can drive to, from `reached_from`.
         """
         inside = self._grid.inside(bases[:, :2])
         cells = self._grid.to_cell(bases[inside, :2])
@@ -60,10 +62,10 @@ class OpenFloor:
 def stands_clear(
     bases: FloatArray, bodies: Sequence[Shape], obstacles: Sequence[Shape], margin: float = 0.0
 ) -> BoolArray:
-    """Return (b,) True for base poses (b, 3) with all bodies of the robot farther than `margin` from
-    obstacles.
+    """Return a mask (b,), True for base poses at which all bodies of the robot are clear of obstacles.
 
-    Checked in space, by coal: a base may be below an obstacle that hangs high enough.
+    The check is three-dimensional, by the library coal: a base may be below an obstacle that hangs high
+    enough.
 
     Args:
         bases: (b, 3) base poses on the floor, x and y in [m], heading in [rad].

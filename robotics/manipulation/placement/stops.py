@@ -44,7 +44,7 @@ _NO_SIGHT = "is reached only from where no landmark can be looked at"
 
 
 class Goal(NamedTuple):
-    """Work of the hand at one place."""
+    """Task of the hand at one place: a motion of the hand, and further motions that it must be able to do."""
 
     work: ToolPath
     """Motion of the hand at the goal, along which a stop is scored."""
@@ -67,7 +67,7 @@ class BaseStop(NamedTuple):
 
 
 class StopTable(NamedTuple):
-    """Scores of b base poses for n goals, and which of m landmarks are in sight."""
+    """Scores of b base poses for n goals, and which of m landmarks are visible from each base pose."""
 
     values: FloatArray
     """Scores (b, n); 0 where a goal is not served."""
@@ -84,21 +84,24 @@ class StopTable(NamedTuple):
 
 
 class StopPlacer:
-    """Search for stops of the base that serve goals in their order, each stop several goals in a row.
+    """Search for poses of the base, called stops, from which the arm serves goals in their order.
 
-    Hatano et al. (2000), section 3, split each goal into a pose of the base and a posture of the arm, and
-    leave the choice open. Here the value of a stop is the directional manipulability (Shin 2005) along the
-    motions at its goals, and each additional stop has to gain `cost`. A landmark must be in sight, and all
-    of that must also hold from poses slightly off the stop.
+    Each stop serves one or several successive goals.
+
+    Hatano et al. (2000), section 3, do not state how to choose the pose of the base for a goal. Here the
+    value of a stop is the directional manipulability (Shin 2005) along the hand's motions at its goals, and
+    each additional stop has to improve the total value by `cost`. From each stop a landmark must be visible.
+    The goals must also be reached from poses slightly off the stop.
     """
 
     def __init__(self, placer: Placer, sights: Sequence[Sight]) -> None:
         self._placer, self._sights = placer, sights
 
     def table(self, bases: FloatArray, goals: Sequence[Goal]) -> StopTable:
-        """Return the scores of base poses for goals, which goals each serves, and which landmarks it sees.
+        """Return for each base pose its scores for goals, the goals that it serves, and the landmarks visible
+        from it.
 
-        A base pose without a landmark in sight has score 0 and serves no goal.
+        A base pose from which no landmark is visible has score 0 and serves no goal.
 
         Args:
             bases: (b, 3) map_T_base: x, y in [m], heading in [rad].
@@ -128,8 +131,8 @@ class StopPlacer:
 
         Args:
             goals: goals in the order in which they are served.
-            blocked: check of many base poses.
-            touches: check of each chosen stop at its goals; None: nothing is checked.
+            blocked: function that reports which of many base poses are blocked.
+            touches: function that reports contacts of the robot at a chosen stop and goal; None: no check.
             cost: score that one more stop must gain, without unit.
 
         Raises:

@@ -25,7 +25,9 @@ def explained(
     poses: tuple[FloatArray, FloatArray],
     kept: IndexArray,
 ) -> Untrackable:
-    """Return the error with the path's own point, the reason, and the nearest position that can be tracked.
+    """Return an error of a search, completed by the reason and the nearest position that can be tracked.
+
+    The search uses a thinned path; the point in the returned error is that of the complete path.
 
     Args:
         arm: scorer of base poses for the arm and its work.

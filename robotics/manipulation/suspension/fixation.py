@@ -23,7 +23,7 @@ class StopRule(NamedTuple):
     """Tolerance eps2 of the turn about the camera's z, in [rad]."""
 
     def met(self, planned: Transform, seen: Transform) -> bool:
-        """Return True if a landmark is seen near enough to where it should be.
+        """Return True if a landmark is seen within the tolerances of its planned pose in the camera frame.
 
         Args:
             planned: (4, 4) camera_T_landmark of the plan.
@@ -50,9 +50,11 @@ PAPER_RULE = StopRule(0.0005, 0.2)
 
 
 class PlannedView(NamedTuple):
-    """View of the landmark from a base at its planned pose: relation A of the paper.
+    """View of a landmark as planned, from a base at its planned pose: relation A of Hatano et al. (2000).
 
-    Its corrected equations, all independent of the pose in the world:
+    Frames of the paper: M0 is the planned base and M the actual base, 6 the hand, C the camera, P0 the
+    landmark, W the world; 60 and C0 are hand and camera as planned. These are its corrected equations, which
+    are independent of the pose in the world:
 
         (4)   dT_C = C0_T_P0 · C_T_P0⁻¹                                     `camera_error`
         (9)   W_T_M0 · M0_T_60 · 60_T_C0 · dT_C = W_T_M · M_T_60 · 60_T_C0  follows from (1), (2) and (4)
@@ -67,43 +69,48 @@ class PlannedView(NamedTuple):
     """C0_T_P0, (4, 4)."""
 
     def camera_error(self, camera_T_landmark: Transform) -> Transform:
-        """Return planned_T_camera (4, 4), the pose of the camera in its planned pose: dT_C of eq. 4.
+        """Return planned_T_camera (4, 4), the actual camera pose in the frame of the planned camera: dT_C of
+        eq. 4.
 
         Args:
-            camera_T_landmark: (4, 4) as seen.
+            camera_T_landmark: (4, 4) pose of the landmark as seen.
         """
         return self.camera_T_landmark @ inverse(camera_T_landmark)
 
     def next_hand(self, base_T_hand: Transform, camera_T_landmark: Transform) -> Transform:
-        """Return base_T_hand (4, 4) of the next move: M_T_6^(k+1) = M_T_6^k · 60_T_C0 · (dT_C^k)⁻¹ ·
-        60_T_C0⁻¹.
+        """Return the pose base_T_hand (4, 4) to which the hand moves next, so that the landmark is seen as
+        planned.
 
-        Without errors the landmark is then seen as planned.
+        M_T_6^(k+1) = M_T_6^k · 60_T_C0 · (dT_C^k)⁻¹ · 60_T_C0⁻¹, with the hand 6, the base M and the planned
+        camera C0. Errors of the motion remain.
 
         Args:
             base_T_hand: (4, 4) pose of the hand now.
-            camera_T_landmark: (4, 4) as seen from there.
+            camera_T_landmark: (4, 4) pose of the landmark as seen from this pose of the hand.
         """
         back = inverse(self.camera_error(camera_T_landmark))
         return base_T_hand @ self.hand_T_camera @ back @ inverse(self.hand_T_camera)
 
     def travelling_error(self, base_T_hand: Transform, camera_T_landmark: Transform) -> Transform:
-        """Return planned_T_base (4, 4), the actual pose of the base in the planned one: dT_M.
+        """Return planned_T_base (4, 4), the actual base pose in the frame of the planned base: dT_M of the
+        paper.
 
-        Eq. 11 with the posture that the next move would give, so that the remaining error of the fixation
-        is included. At the planned posture this is eq. 5.
+        It is computed by eq. 11 with the posture to which the hand would move next. So it includes the error
+        that is left after turning the hand to the landmark. At the planned posture this is eq. 5.
 
         Args:
             base_T_hand: (4, 4) pose of the hand now.
-            camera_T_landmark: (4, 4) as seen from there.
+            camera_T_landmark: (4, 4) pose of the landmark as seen from this pose of the hand.
         """
         return self.travelling_error_by_posture(self.next_hand(base_T_hand, camera_T_landmark))
 
     def travelling_error_by_posture(self, base_T_hand: Transform) -> Transform:
-        """Return planned_T_base (4, 4), the actual pose of the base in the planned one, by the last posture.
+        """Return planned_T_base (4, 4), the actual base pose in the frame of the planned base, by the last
+        posture.
 
-        Eq. 11 as in the paper, which assumes that fixation has left no error. A turn of the base by less than
-        the angle of the `StopRule` is therefore missed; 0.1 rad would displace a block by 20 mm.
+        It is computed by eq. 11 as in the paper, which assumes that no error is left after the hand was
+        turned to the landmark. A turn of the base by less than the angle of the `StopRule` is therefore
+        missed; 0.1 rad would displace a block by 20 mm.
 
         Args:
             base_T_hand: (4, 4) final pose of the hand in the base frame.
@@ -116,14 +123,14 @@ def placing_posture(planned_T_base: Transform, planned_T_goal: Transform) -> Tra
     hand).
 
     Args:
-        planned_T_base: (4, 4) actual pose of the base in the planned one: dT_M.
-        planned_T_goal: (4, 4) pose to reach from the planned base: M0_T_B0.
+        planned_T_base: (4, 4) actual pose of the base in the frame of the planned base: dT_M of the paper.
+        planned_T_goal: (4, 4) pose to reach, in the frame of the planned base: M0_T_B0 of the paper.
     """
     return inverse(planned_T_base) @ planned_T_goal
 
 
 def split_goal(world_T_goal: Transform, world_T_base: Transform) -> Transform:
-    """Return base_T_goal (4, 4), the goal's pose in the frame of the planned base: M0_T_B0 (section 3).
+    """Return base_T_goal (4, 4), the pose of a goal in the frame of the planned base: M0_T_B0 of section 3.
 
     Args:
         world_T_goal: (4, 4) pose of the goal.
@@ -133,9 +140,7 @@ def split_goal(world_T_goal: Transform, world_T_base: Transform) -> Transform:
 
 
 def on_floor(planned_T_base: Transform) -> Pose2:
-    """Return the error of a base that can only drive: x, y in [m] and heading in [rad], without tilt and
-    height.
-    """
+    """Return the part of a base's pose error that driving can correct: x, y in [m] and heading in [rad]."""
     turn = planned_T_base[:3, :3]
     heading = math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1])
     return Pose2(float(planned_T_base[0, 3]), float(planned_T_base[1, 3]), heading)

@@ -12,7 +12,9 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class Rates(NamedTuple):
-    """Parameters of a `SuspensionModel` that angles reveal: all but the height of the pivot."""
+    """Parameters of a `SuspensionModel` that can be computed from measured angles: all but the pivot's
+    height.
+    """
 
     yaw_per_swing: float
     """Yaw of the base for each move of the arm out and back, in [rad], positive to the left."""
@@ -59,18 +61,20 @@ def spot_on_wall(world_T_base: Transform, base_T_laser: Transform, world_T_wall:
 
 
 def turned(shift: SpotShift, distance: float) -> tuple[float, float]:
-    """Return the beam's turn to the left and up, in [rad], for a wall at right angles to it.
+    """Return the turn of a laser's beam to the left and up, in [rad], computed from the shift of its spot.
 
-    `distance` [m] is from the pointer to the wall, as in the paper: the pointer's own motion is neglected.
+    The wall is at right angles to the beam.
+
+    `distance` is from the laser to the wall, in [m]. As in the paper, the laser's own motion is neglected.
     """
     return float(np.arctan2(shift.left, distance)), float(np.arctan2(shift.up, distance))
 
 
 def fit_spots(ahead: Sequence[SpotShift], left: Sequence[SpotShift], distance: float) -> Rates:
-    """Fit the rates, by least squares, from spots of a laser that points ahead (+x) and of one to the left
+    """Fit the rates, by least squares, to spots of a laser that points ahead (+x) and of one that points left
     (+y).
 
-    Either may be empty; the paper has the one to the left.
+    Spots of one of the lasers may be missing; the paper uses only the laser that points to the left.
 
     Args:
         ahead: spots of the laser that points ahead.
