@@ -60,17 +60,17 @@ def fit_sightings(
     known: Mapping[str, float] | None = None,
     arm_error: float = 3e-4,
 ) -> SuspensionFit:
-    """Fit the model to landmarks of one sheet, seen from many postures.
+    """Fit a `SuspensionModel` to sightings of the landmarks on one sheet, seen from many postures of the arm.
 
-    The arm's error moves the corners of a landmark together, and sideways more than it changes their size:
-    each sighting is weighted so. Otherwise the heights, which separate tilt from pivot, would be lost in
-    the arm's sideways error. The pose of the sheet is fitted as well, its height and its tilt too: at the
-    reference posture the base is already tilted by an unknown angle.
+    The arm's error shifts all four corners of a landmark in the picture together, and hardly changes the
+    landmark's size. Sightings are weighted accordingly, because the measured heights, by which tilt and pivot
+    are distinguished, are otherwise lost in the arm's sideways error. The pose of the sheet is fitted too,
+    with height and tilt, because at the reference posture the base is already tilted by an unknown angle.
 
     Args:
-        sightings: landmarks, each with the postures from which it was seen.
+        sightings: sightings of landmarks, each with the motion of the arm before it.
         hand_T_camera: (4, 4) pose of the camera.
-        base_T_sheet: (4, 4) pose of the sheet, good to a few centimetres.
+        base_T_sheet: (4, 4) estimated pose of the sheet, accurate to a few centimetres.
         known: parameters that are not fitted, by name, in SI units.
         arm_error: standard deviation of the arm's error along each axis, in [m].
 

@@ -14,13 +14,13 @@ from handcart.robotics.geometry.transform import Transform, inverse, transform
 
 
 def base_motion(yaw: float, roll: float = 0.0, pitch: float = 0.0, pivot: float = 0.0) -> Transform:
-    """Return the pose (4, 4) of the turned and tilted base in the frame of the base before: dPsi · dPhi of
-    eq. 12.
+    """Return the pose (4, 4) of a turned and tilted base in the frame that it had before: dPsi · dPhi of eq.
+    12.
 
     Args:
-        yaw: in [rad].
-        roll: in [rad].
-        pitch: in [rad].
+        yaw: turn about the vertical, in [rad].
+        roll: tilt about the base's x axis, in [rad].
+        pitch: tilt about the base's y axis, in [rad].
         pivot: height of the point of the base's z axis around which it tilts, in [m]; the paper omits it.
     """
     lean = transform((0.0, 0.0, pivot)) @ transform(rpy=(roll, pitch, 0.0)) @ transform((0.0, 0.0, -pivot))
@@ -28,7 +28,9 @@ def base_motion(yaw: float, roll: float = 0.0, pitch: float = 0.0, pivot: float 
 
 
 class SuspensionModel(NamedTuple):
-    """A base that turns by the same angle each time the arm swings out, and sinks on the arm's side.
+    """Model of how a base on springs moves with its arm: it yaws with each swing and tilts towards the arm.
+
+    The yaw is the same for each move of the arm out and back.
 
     The tilt is in proportion to the hand's distance from the base's z axis: the centre of gravity moves with
     the arm, and the springs are linear.
@@ -44,18 +46,20 @@ class SuspensionModel(NamedTuple):
     """Height of the tilt axes above the base frame's origin, in [m]."""
 
     def motion(self, base_T_hand: Transform, reference: Transform, swings: float) -> Transform:
-        """Return reference_T_base (4, 4), the motion of the base since the reference: dPsi · dPhi of eq. 12.
+        """Return reference_T_base (4, 4), the motion of the base since the reference posture: dPsi · dPhi of
+        eq. 12.
 
         Args:
             base_T_hand: (4, 4) pose of the hand now.
-            reference: (4, 4) base_T_hand at the reference.
-            swings: number of moves of the arm out and back in between.
+            reference: (4, 4) base_T_hand at the reference posture.
+            swings: number of moves of the arm out and back since the reference posture.
         """
         lean = self._lean(base_T_hand) @ inverse(self._lean(reference))
         return np.asarray(base_motion(self.yaw_per_swing * swings) @ lean)
 
     def displaced(self, base_T_hand: Transform, reference: Transform, swings: float) -> Transform:
-        """Return the true pose (4, 4) of the hand in the base frame at a reference (eq. 12).
+        """Return the true pose (4, 4) of the hand in the frame that the base had at the reference posture
+        (eq. 12).
 
         Args:
             base_T_hand: (4, 4) pose of the hand by the arm's joints.
@@ -65,10 +69,10 @@ class SuspensionModel(NamedTuple):
         return self.motion(base_T_hand, reference, swings) @ base_T_hand
 
     def corrected(self, base_T_goal: Transform, reference: Transform, swings: float) -> Transform:
-        """Return the base_T_hand (4, 4) to command so that the hand truly comes to a goal.
+        """Return the base_T_hand (4, 4) to command so that the hand reaches a goal although the base moves.
 
         Args:
-            base_T_goal: (4, 4) pose of the goal in the base frame at the reference.
+            base_T_goal: (4, 4) pose of the goal in the frame that the base had at the reference posture.
             reference: (4, 4) base_T_hand at the reference.
             swings: number of moves of the arm out and back since the reference.
         """

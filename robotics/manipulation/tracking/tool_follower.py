@@ -21,17 +21,19 @@ _SINGULAR = 1e-3
 
 
 class ToolFollower:
-    """Inverse kinematics point after point, each from the one before, so that the arm keeps its branch.
+    """Inverse kinematics of an arm along a path, in which the arm does not jump between its configurations.
 
-    If a base didn't stop at its planned pose, call `joints` with its measured pose, near the planned
-    angles: the tool is on the path again, as exactly as the base was measured.
+    The search for each point starts at the joints of the point before.
+
+    If a base did not stop at its planned pose, call `joints` with its measured pose and with the planned
+    angles as `near`. The tool then follows the path as accurately as the base's pose was measured.
 
     A redundant arm also keeps away from its joint limits; a free turn of the tool makes an arm redundant.
 
     Args:
         arm: the arm; all its joints turn.
         free: the turn of the tool that the path leaves free.
-        azimuth_tolerance: used with FreeTurn.VERTICAL, in [rad].
+        azimuth_tolerance: allowed turn of the tool about the vertical with FreeTurn.VERTICAL, in [rad].
 
     Raises:
         ValueError: a joint slides.
@@ -48,8 +50,8 @@ class ToolFollower:
         self._middle, self._half = 0.5 * (arm.lower + arm.upper), 0.5 * (arm.upper - arm.lower)
 
     def joints(self, path: ToolPath, world_T_base: Transform, near: FloatArray) -> FloatArray:
-        """Return joint angles (p, n), in [rad], within the limits that put the tool at each point of
-        the path.
+        """Return joint angles (p, n), in [rad], that put the tool at each point of the path, within the joint
+        limits.
 
         Args:
             path: path of the tool.
@@ -57,8 +59,8 @@ class ToolFollower:
             near: (n,) joint angles in [rad] at which the search for the first point begins.
 
         Raises:
-            Untrackable: the first point that the arm doesn't reach, with the nearest position at which the
-                search ended; or one to which it would have to jump.
+            Untrackable: the first point that the arm doesn't reach, with the position of the tool at which
+                the search ended; or the first point to which the arm would have to jump.
         """
         base_T_tools = inverse(world_T_base) @ path.poses
         angles = np.empty((len(base_T_tools), self.arm.dof))

@@ -23,15 +23,15 @@ class LimitUse(NamedTuple):
 
     @property
     def violations(self) -> int:
-        """Number of set-points and joints at which a limit is broken."""
+        """Number of speeds and torques beyond their limits, over all set-points and joints."""
         return int((self.speed > 1.0 + _ROUNDING).sum() + (self.torque > 1.0 + _ROUNDING).sum())
 
 
 class ArmLoad:
-    """Torques of an arm in motion, by the recursive Newton-Euler algorithm; the base is upright.
+    """Computation of an arm's joint torques in motion, by recursive Newton-Euler; the base is upright.
 
     Attributes:
-        torque: limits (n,) of the URDF, in [Nm].
+        torque: torque limits (n,) of the joints as in the URDF, in [Nm].
     """
 
     def __init__(self, arm: ArmModel) -> None:
@@ -41,15 +41,16 @@ class ArmLoad:
         self.torque: FloatArray = arm.effort_limits()
 
     def torques(self, q: FloatArray, speed: FloatArray, acceleration: FloatArray) -> FloatArray:
-        """Return the torques (n,), in [Nm], at angles (n,) in [rad], speeds (n,) in [rad/s] and accelerations
-        (n,) in [rad/s²].
+        """Return the joint torques (n,), in [Nm], for joint angles (n,) in [rad], speeds (n,) in [rad/s] and
+        accelerations (n,) in [rad/s²].
         """
         arm = self._arm
         moved = arm.ordered(q), arm.ordered_rates(speed), arm.ordered_rates(acceleration)
         return arm.of_arm(pin.rnea(self._model, self._data, *moved))
 
     def push(self, q: FloatArray, force: FloatArray) -> FloatArray:
-        """Return the torques (n,) in [Nm] for a force (3,) of the tool on its surroundings.
+        """Return the joint torques (n,), in [Nm], with which the tool exerts a force (3,) on its
+        surroundings.
 
         Args:
             q: (n,) joint angles in [rad].
@@ -60,13 +61,14 @@ class ArmLoad:
     def use(
         self, set_points: FloatArray, period: float, torque: FloatArray, push: FloatArray | None = None
     ) -> LimitUse:
-        """Return the use of the limits by set-points (k, n), one each `period` in [s], from rest to rest.
+        """Return the joints' speeds and torques as shares of their limits, for a motion from rest to rest.
 
         Args:
-            set_points: (k, n) joint angles, in [rad].
+            set_points: (k, n) joint angles, one row each period, in [rad].
             period: time between two set-points, in [s].
-            torque: limits (n,), in [Nm].
-            push: torques (k, n) of the tool's work, in [Nm]; they may point either way.
+            torque: torque limits (n,), in [Nm].
+            push: torques (k, n) of the tool's work, in [Nm]; their size is added to the motion's torques,
+                whatever their sign.
         """
         padded = np.vstack((set_points[:1], set_points, set_points[-1:]))
         steps = np.diff(padded, axis=0) / period

@@ -51,9 +51,9 @@ def time_tracking(
 ) -> TimedTracking:
     """Return timed set-points along a path.
 
-    The angles are joined by a cubic spline over the arc length; speed along it is chosen by TOPP-RA (Pham
-    and Pham 2018) and then checked at each set-point: if differences of set-points still break a limit,
-    the whole is stretched in time.
+    The angles are joined by a cubic spline over the arc length; speed along it is chosen by TOPP-RA (Pham and
+    Pham 2018) and then checked at each set-point: if differences of set-points still break a limit, the
+    complete motion is slowed down.
 
     Args:
         arm: arm model.
@@ -63,7 +63,8 @@ def time_tracking(
         period: time between set-points, in [s].
 
     Raises:
-        Untrackable: the first point at which holding still, and pushing, already exceeds the torque.
+        Untrackable: the first point at which the torque limits are exceeded already while the arm holds still
+            and pushes.
         ValueError: a limit or the period isn't above zero.
     """
     if min(limits.speed, *limits.acceleration, *limits.torque, period) <= 0.0 or limits.force < 0.0:
@@ -90,7 +91,7 @@ def time_tracking(
 def time_evenly(
     arm: ArmModel, path: ToolPath, angles: FloatArray, limits: TrackingLimits, ramp: float, period: float
 ) -> TimedTracking:
-    """Return set-points at one speed of the tool with a ramp at both ends, for a base that drives along.
+    """Return set-points for a constant tool speed, with a ramp at both ends, for an arm on a driving base.
 
     Args:
         arm: kinematics of the arm.
@@ -102,7 +103,7 @@ def time_evenly(
 
     Raises:
         Untrackable: a joint would be too fast, or its torque too large, at a point of the path.
-        ValueError: speed, ramp, torque or period isn't above zero, or the force is below.
+        ValueError: speed, ramp, torque or period isn't above zero, or the force is below zero.
     """
     if min(limits.speed, ramp, *limits.torque, period) <= 0.0 or limits.force < 0.0:
         raise ValueError("speed, ramp, torque and period must be above zero, the force not below")

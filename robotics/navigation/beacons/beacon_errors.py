@@ -8,7 +8,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class BeaconErrors(NamedTuple):
-    """One-sigma errors of ranges (ultra-wideband radio, say), and where beacons and tag are."""
+    """Positions of radio beacons and of the robot's radio, and standard deviations of the measured ranges."""
 
     places: FloatArray
     """(k, 3) of the beacons: world's x, y, and height above the ground, in [m]."""

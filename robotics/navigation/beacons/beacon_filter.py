@@ -40,15 +40,15 @@ BIAS_PERIOD = 1.0  # [s] at rest over which the gyro is averaged into one readin
 
 
 class BeaconFilter(FieldLocalizer):
-    """An extended Kalman filter that localizes by wheels, gyro and ranges to radio beacons.
+    """Extended Kalman filter that localizes a base by wheels, gyro and ranges to radio beacons.
 
-    The errors of wheels and gyros are states as in `FieldModel`, and so is the bias of each beacon
-    (augmented state: Friedland, 1969), and a scale of all ranges.
+    The state also contains the errors of wheels and gyro as in `FieldModel`, a bias of each beacon, and a
+    scale error of all ranges (augmented state: Friedland, 1969).
 
-    Because the start is known, the first ranges reveal the biases; later ones reveal the position. A range
-    that its own covariance can't explain is rejected. A beacon all of whose ranges are rejected for ten
-    seconds, while two others are accepted, was moved, and is ignored from then on: as the robot drives,
-    its ranges would come to fit a wrong position. GNSS is not used.
+    Because the start is known, the first ranges determine the biases; later ranges determine the position. A
+    range is rejected if it differs from the expected range by more than its covariance allows. If all ranges
+    of a beacon are rejected for ten seconds while those of two others are accepted, the beacon was moved. It
+    is ignored from then on, because its ranges could later agree with a wrong position. GNSS is not used.
     """
 
     TAKES_FIXES: ClassVar[bool] = False

@@ -33,9 +33,9 @@ def with_driven(grid: GridMap, poses: Sequence[Pose2], radius: float) -> GridMap
 
 
 def with_gaps_closed(grid: GridMap) -> GridMap:
-    """Return a map without unknown spots narrower than `GAP_M` with free cells around.
+    """Return a map in which unknown spots narrower than `GAP_M`, with free cells around them, are free.
 
-    Spots beside occupied cells stay: they may be inside a wall.
+    Unknown spots next to occupied cells stay unknown, because they may be inside a wall.
     """
     steps = math.ceil(0.5 * GAP_M / grid.resolution)
     open_ = (~grid.occupied).astype(np.uint8)

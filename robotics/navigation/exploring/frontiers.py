@@ -30,7 +30,7 @@ ALL_AROUND = np.ones((3, 3), np.uint8)
 
 
 class Frontier(NamedTuple):
-    """A connected part of the border that the robot could cross."""
+    """Connected part of the border between free and unknown ground that the robot could cross."""
 
     middle: tuple[float, float]
     """Centre of the frontier's cell that is nearest to its centre of mass, x and y on the map, in [m]."""
@@ -45,7 +45,7 @@ class Frontier(NamedTuple):
 
 
 class Border(NamedTuple):
-    """Border between free and unknown ground."""
+    """Border between the free and the unknown ground of a map: its frontiers, and numbers of its cells."""
 
     frontiers: list[Frontier]
     """Parts that the robot could cross, at least as long as its radius."""
@@ -68,10 +68,10 @@ def find_border(
 
     Args:
         grid: the map.
-        radius: of the robot's footprint, in [m].
+        radius: radius of the robot's footprint, in [m].
         here: position of the robot in the frame of the map, in [m].
-        left: (n, 2) points in the frame of the map, in [m], around which the border is left as it is.
-        left_radius: of the regions around them, in [m].
+        left: (n, 2) points in the frame of the map, in [m], around which no frontiers are reported.
+        left_radius: radius of the regions around these points, in [m].
 
     Returns:
         Frontiers outside the regions around `left`, and numbers of cells of the whole border.
@@ -185,14 +185,15 @@ def _view(
 
 @compiled
 def travel(free: BoolArray, row: int, column: int) -> FloatArray:
-    """Return the length (h, w), in cells, of the shortest way over free cells; infinite where none leads.
+    """Return the lengths (h, w), in cells, of the shortest ways from a cell to all cells; infinite without a
+    way.
 
-    Ways lead to the eight neighbours of a cell. Cells are taken roughly in the order of their lengths, in
-    steps of a cell (Dial, 1969).
+    Ways lead over free cells, from each to its eight neighbours. Cells are expanded roughly in the order of
+    their distances, sorted into buckets one cell wide (Dial, 1969).
 
     Args:
         free: (h, w) True for free cells.
-        row: row of the cell where all ways begin.
+        row: row of the cell at which all ways begin.
         column: column of that cell.
     """
     height, width = free.shape

@@ -35,7 +35,10 @@ START_KEYFRAMES = 4
 
 
 class GrowingMap:
-    """Keyframes of a drive in one graph. The frame is that of the first pose, or of a given map."""
+    """Map that is built while the robot drives, as a graph of keyframes: lidar scans with their poses.
+
+    The frame of the map is that of the first pose, or of a given map that is completed.
+    """
 
     def __init__(
         self, first: Keyframe, pose: Pose2, known: GridMap | None = None, sigma: float = 0.01
@@ -67,7 +70,8 @@ class GrowingMap:
         return self.graph.poses
 
     def pose_of(self, odometry: Pose2) -> Pose2:
-        """Return map_T_base, carried on by odometry from the latest keyframe, or from `carry_on_from`.
+        """Return map_T_base: the pose of the latest keyframe, or that of `carry_on_from`, plus the odometry
+        since then.
 
         Args:
             odometry: odom_T_base at the wanted moment.
@@ -76,11 +80,11 @@ class GrowingMap:
         return pose.compose(odometry.relative_to(last))
 
     def carry_on_from(self, odometry: Pose2, displacement: Pose2) -> None:
-        """Let `pose_of` carry on from a measured pose, until the next keyframe.
+        """Set the measured pose from which `pose_of` continues by odometry, until the next keyframe is added.
 
         Args:
             odometry: odom_T_base when the pose was measured.
-            displacement: measured pose of the base in the pose of the first keyframe.
+            displacement: measured pose of the base in the frame of the first keyframe.
         """
         self._found = odometry, self.poses[0].compose(displacement)
 
@@ -116,40 +120,50 @@ class GrowingMap:
 
     @property
     def is_search_due(self) -> bool:
-        """True if loops should be searched again."""
+        """True if enough keyframes were added since the last search for loop closures."""
         return len(self.poses) - self._searched >= SEARCH_KEYFRAMES
 
     def search(self) -> None:
-        """Look for loops that the latest keyframes close; all poses move if one is found."""
+        """Search for loop closures between the latest and earlier keyframes; correct all poses if one is
+        found.
+        """
         since, self._searched = max(0, self._searched - SEARCH_KEYFRAMES), len(self.poses)
         if self._field is not None:
             self.graph.optimize()
         self.graph.search(since=since)
 
     def finish(self) -> None:
-        """Look for all loops, match each keyframe with all that see the same place, and move all poses."""
+        """Search for all loop closures, match each keyframe with all that see the same place, and correct all
+        poses.
+        """
         self.graph.search()
         self.graph.refine()
 
     def covariance(self) -> FloatArray:
         """Return the covariance (3, 3) of the latest pose relative to the first.
 
-        Along the axes of the map, in [m, m, rad].
+        It is that of x, y and heading along the axes of the map, in [m, m, rad].
         """
         return np.asarray(covariances(np.array(self.poses), self.graph.edges)[-1])
 
     def grid(self, resolution: float) -> GridMap:
-        """Draw the map with cells of a size in [m]."""
+        """Return the map drawn from all keyframes, on top of the given map if there is one.
+
+        Args:
+            resolution: size of a cell, in [m].
+        """
         drawn = count_rays(self.graph.frames, self.poses, resolution).grid
         return drawn if self._known is None else merge_maps(drawn, self._known)
 
     @property
     def start_surface(self) -> Surface:
-        """Surfaces that the first keyframes show, in the base frame of the first one."""
+        """Surfaces that the first keyframes' scans show, in the base frame of the first keyframe."""
         frames, poses = self.graph.frames[:START_KEYFRAMES], self.poses[:START_KEYFRAMES]
         return submap(frames, poses, poses[0])
 
     def built(self, resolution: float) -> BuiltMap:
-        """Return the map, with cells of a size in [m], its trajectory and its loop closures."""
+        """Return the map drawn with cells of size `resolution`, in [m], with its trajectory and loop
+        closures.
+        """
         rows = [frame.row for frame in self.graph.frames]
         return built_of(self.graph, rows, self.blind, self._chained, resolution)

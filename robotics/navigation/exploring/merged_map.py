@@ -9,10 +9,10 @@ from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 
 def merge_maps(drawn: GridMap, other: GridMap) -> GridMap:
-    """Return a map with the cells of `drawn`, and of `other` where `drawn` shows nothing.
+    """Return a map with the cells of `drawn`, and with those of `other` where `drawn` is unknown or ends.
 
     Args:
-        drawn: its cells are kept, and cells of its size are used.
+        drawn: map whose cells are kept, and whose resolution is used.
         other: map of the same frame, with cells of any size.
     """
     low, high = _corners(drawn)

@@ -35,7 +35,7 @@ class _Period(NamedTuple):
 
 
 class Blocked(NamedTuple):
-    """Evidence that something stops a base that is driven."""
+    """Evidence that a base does not move although its drive is commanded to move it."""
 
     pose: Pose2
     """Estimated map_T_base where the base is blocked; it may have rebounded since."""
@@ -57,17 +57,18 @@ class Blocked(NamedTuple):
 
     @property
     def slips(self) -> bool:
-        """True if the wheels turn although the base is blocked; otherwise they are blocked or their drives
-        are off.
+        """True if the wheels turn although the base is blocked; otherwise the wheels are blocked or their
+        drives are switched off.
         """
         return self.rolled > MAX_PROGRESS * self.commanded
 
 
 class BlockedMotion:
-    """Test whether a base moves as commanded, by its sensors, over a window of less than a second.
+    """Detector of a blocked base, which compares commanded and measured motion in a sliding window of time.
 
-    The window is the shortest in which the base was driven one way by `MIN_COMMANDED_M`. Slower motion than
-    `MIN_COMMANDED_M` in `LONGEST_WINDOW_S` is below the noise of the pose and is not judged.
+    The window is the shortest in which the base was commanded to move by `MIN_COMMANDED_M` in one direction.
+    Motion slower than `MIN_COMMANDED_M` in `LONGEST_WINDOW_S` is not judged, because it is below the noise of
+    the pose.
     """
 
     def __init__(self, period: float, confirming: int = CONFIRMING_PERIODS) -> None:
@@ -91,12 +92,14 @@ class BlockedMotion:
     def update(
         self, speed: float, rolled: float, before: Pose2, now: Pose2, direction: float = 0.0
     ) -> Blocked | None:
-        """Take in a period's motion; return the evidence that the base is blocked, or None.
+        """Add a period's motion to the window; return the evidence that the base is blocked, None if it is
+        not.
 
         Args:
-            speed: commanded speed in the direction of travel, in [m/s]; negative against it. 0 empties
-                the window.
-            rolled: travel of the wheels in the direction of travel, in [m]; negative against it.
+            speed: commanded speed in the direction of travel, in [m/s]; negative in the opposite direction; 0
+                empties the window.
+            rolled: distance rolled by the wheels in the direction of travel, in [m]; negative in the opposite
+                direction.
             before: estimated map_T_base before the period.
             now: estimated map_T_base after the period.
             direction: direction of travel relative to the heading, in [rad], positive to the left.

@@ -13,7 +13,7 @@ START_POSE = Pose2(0.0, 0.0, 0.0)
 
 
 class BlockedWheel(NamedTuple):
-    """Evidence that something holds a base at a wheel, or keeps it from turning."""
+    """Evidence that a base is blocked at one wheel or both, although the wheels are commanded to move."""
 
     side: str
     """`left`, `right` or `both`."""
@@ -27,10 +27,12 @@ class BlockedWheel(NamedTuple):
 
 
 class BlockedWheels:
-    """Test whether the base moves at each wheel as that wheel is commanded, by the estimated pose.
+    """Detector of a base blocked at a wheel, which compares each wheel's command with the base's motion
+    there.
 
-    A base that is held while it should turn on the spot moves neither ahead nor back, so the distance
-    ahead does not show it. A base held at one side turns around that side.
+    The motion is taken from the estimated pose. If a base is blocked while it is commanded to turn on the
+    spot, the distance ahead does not show that, because it is 0 anyway. A base that is blocked at one side
+    turns around that side.
     """
 
     def __init__(self, period: float, tread: float) -> None:
@@ -51,11 +53,11 @@ class BlockedWheels:
     def update(
         self, command: tuple[float, float], rolled: tuple[float, float], before: Pose2, now: Pose2
     ) -> BlockedWheel | None:
-        """Take in a period's motion; return the evidence that a wheel is blocked, or None.
+        """Add a period's motion to the windows; return the evidence that a wheel is blocked, None if none is.
 
         Args:
-            command: speed ahead in [m/s] and turn rate in [rad/s].
-            rolled: travel of the left and the right wheel by their encoders, in [m].
+            command: commanded speed ahead in [m/s] and turn rate in [rad/s].
+            rolled: distance rolled by the left and by the right wheel, by their encoders, in [m].
             before: estimated map_T_base before the period.
             now: estimated map_T_base after the period.
         """

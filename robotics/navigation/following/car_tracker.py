@@ -36,7 +36,7 @@ class _Leg:
 class CarTracker:
     """Controller that drives a car with front steering along a path to its end, by pure pursuit.
 
-    Nothing is regulated at the end: a car can't move sideways.
+    An error at the end of the path is not corrected, because a car can't move sideways.
     """
 
     def __init__(self, legs: list[tuple[FloatArray, bool]], sharpest: float, limits: DriveLimits) -> None:
@@ -58,10 +58,10 @@ class CarTracker:
         """Return a tracker of a planned path.
 
         Args:
-            path: path, with the distances to back before and after it.
+            path: path, with the distances to drive backwards before and after it.
             start: map_T_base where the path was planned from.
             goal: map_T_base at its end.
-            sharpest: curvature that can be steered, in [1/m].
+            sharpest: largest curvature that can be steered, in [1/m].
             limits: limits of the base.
         """
         first = np.array([start.compose(Pose2(-path.back_before, 0.0, 0.0))])
@@ -98,7 +98,8 @@ class CarTracker:
         return self._at >= len(self._legs)
 
     def command(self, pose: Pose2, dt: float) -> tuple[float, float]:
-        """Return speed in [m/s], negative backwards, and turn rate in [rad/s], positive to the left.
+        """Return the speed to command in [m/s], negative backwards, and the turn rate in [rad/s], positive to
+        the left.
 
         Args:
             pose: map_T_base.
@@ -116,7 +117,8 @@ class CarTracker:
         return self._drive(leg)
 
     def hold(self, pose: Pose2, dt: float) -> tuple[float, float]:
-        """Return speed in [m/s] and turn rate in [rad/s] with which to come to rest and stay there.
+        """Return the speed in [m/s] and turn rate in [rad/s] to command so that the car comes to rest and
+        stays at rest.
 
         While the car still rolls, its progress along the path is updated.
 

@@ -29,24 +29,26 @@ class DriveLimits(NamedTuple):
     """Maximum speed sideways in [m/s]; 0 of a base that cannot drive sideways."""
 
     def turn_rate_at(self, speed: float) -> float:
-        """Return the maximum turn rate at a speed in [m/s], in [rad/s]."""
+        """Return the maximum turn rate, in [rad/s], allowed at a speed in [m/s]."""
         return min(self.turn_rate, self.lateral_acceleration / max(abs(speed), MIN_LATERAL_SPEED_M_S))
 
 
 def rate_to_stop(rest: float, most: float, acceleration: float) -> float:
-    """Return the speed with which to cover a distance and stop there, signed.
+    """Return the largest speed from which a base or joint can still stop at the end of a remaining distance.
 
     Args:
-        rest: signed distance, in [m] or [rad]; the speed has its sign.
+        rest: remaining distance, in [m] or [rad]; the speed has the same sign.
         most: largest speed, in [m/s] or [rad/s].
-        acceleration: in [m/s²] or [rad/s²].
+        acceleration: largest acceleration, in [m/s²] or [rad/s²].
     """
     size = min(most, math.sqrt(2.0 * BRAKING_SHARE * acceleration * abs(rest)), END_APPROACH_RATE * abs(rest))
     return math.copysign(size, rest)
 
 
 class Ramp:
-    """Limiter that keeps commands within speeds and accelerations; it remembers the last one."""
+    """Limiter that keeps commands of a base within limits of speed and acceleration, starting from the last
+    command.
+    """
 
     def __init__(self, limits: DriveLimits) -> None:
         """Start at rest."""
@@ -60,7 +62,7 @@ class Ramp:
         return abs(self.speed) < 1e-3 and abs(self.turn_rate) < 2e-3
 
     def reset(self) -> None:
-        """Begin at rest again."""
+        """Reset the last command to zero, because the base is at rest."""
         self.speed = self.turn_rate = 0.0
 
     def towards(self, speed: float, turn_rate: float, dt: float) -> tuple[float, ...]:

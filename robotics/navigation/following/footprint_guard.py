@@ -32,12 +32,12 @@ class _Stand(NamedTuple):
 
 
 class FootprintGuard:
-    """Check of the area that a polygon will sweep, against the map and the latest scan.
+    """Check whether the area that a polygonal footprint will sweep is free of mapped and scanned obstacles.
 
-    Where the lidar sees something at a cell of the map, the scan counts alone, because it needs no pose and
-    is more exact. Other cells in its field of view count by their centres, the rest as complete squares. If
-    something is nearer than it may be, the robot may move along it or away from it, and return to the pose
-    where it began (`stand_at`).
+    Where the lidar sees something at an occupied cell of the map, only the scan is used, because it does not
+    depend on the pose and is more exact. Other occupied cells in the lidar's field of view are taken as
+    points at their centres, cells outside it as complete squares. If an obstacle is nearer than the margin,
+    the robot may still move along it or away from it, and return to the pose at which it began (`stand_at`).
     """
 
     def __init__(self, shape: Footprint, margin: float, grid: GridMap | None = None) -> None:
@@ -53,7 +53,8 @@ class FootprintGuard:
         self._stands: tuple[_Stand, ...] = ()
 
     def stand_at(self, pose: Pose2, scan: FloatArray) -> None:
-        """Allow the robot to be at a pose with the room that map and scan leave there; forget earlier poses.
+        """Allow the robot to be as near to mapped and scanned obstacles as it is at a pose; forget earlier
+        such poses.
 
         Args:
             pose: map_T_base.
@@ -62,7 +63,7 @@ class FootprintGuard:
         self._stands = (_Stand(pose, (self._map_room(pose), self._room(scan))),)
 
     def may_stand_at(self, pose: Pose2) -> None:
-        """Allow the robot to come as near to mapped obstacles at one more pose map_T_base as it is there."""
+        """Allow the robot, at one more pose map_T_base, to be as near to mapped obstacles as that pose is."""
         self._stands += (_Stand(pose, (self._map_room(pose), math.inf)),)
 
     def free_motion(
@@ -81,9 +82,9 @@ class FootprintGuard:
             scan: (n, 2) points of the lidar in the base frame, in [m].
             length: length of the arc, in [m]; below zero backwards.
             turn: turn along the arc, in [rad], positive to the left.
-            view: field of view of the lidar; None if it sees nothing.
-            direction: of travel, relative to the base's heading, in [rad]; the x axis of `pose` and of `scan`
-                points there.
+            view: field of view of the lidar; None if no cell of the map is in view.
+            direction: direction of travel, relative to the base's heading, in [rad]; the x axes of `pose` and
+                `scan` point in this direction.
         """
         shape = self._shape.turned(direction) if direction else self._shape
         view = view if view is None or not direction else view.turned(direction)

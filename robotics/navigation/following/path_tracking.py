@@ -31,12 +31,12 @@ MAX_CLOSING_PERIODS = 12  # within `CLOSING_DISTANCE_M`: a base that is held the
 
 
 class PathTracker:
-    """Controller that drives along a route to its end, and there into the goal's heading.
+    """Controller that drives a base along a route to its end, and turns it to the goal's heading there.
 
-    The reference is the nearest point of the route ahead of the progress so far, so the robot may be slow,
-    held or pushed without the reference running away. It turns in place where its heading is far off the
-    route's, slows down in curves and before the end, and hands the last centimetre and the final heading to a
-    `PoseRegulator`.
+    The reference is the point of the route nearest to the robot, but never behind an earlier reference. It
+    does not move with time, so a robot that is slow, held or pushed does not fall behind it. It turns in
+    place where its heading is far off the route's, slows down in curves and before the end, and hands the
+    last centimetre and the final heading to a `PoseRegulator`.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class PathTracker:
         """Continue along another route to the same goal, without a stop; `progress` begins again at 0.
 
         Args:
-            points: (n, 2) from near the robot to the goal, on the map, in [m].
+            points: (n, 2) points from near the robot to the goal, on the map, in [m].
             allowed: speed limits by position; None: those of the drive.
         """
         self._set_route(points, allowed)
@@ -104,18 +104,18 @@ class PathTracker:
         self._closing = len(self._points) < 2
 
     def stopped(self) -> None:
-        """Begin at rest again: another law has driven the base meanwhile."""
+        """Set the last command to zero, because another controller has driven the base in the meantime."""
         self._ramp.reset()
         self._turning = True
 
     @property
     def reverse(self) -> bool:
-        """True if the rear leads."""
+        """True if the robot follows the route backwards."""
         return self._flip != 0.0
 
     @property
     def closing(self) -> bool:
-        """True if only the goal's pose is left to be regulated."""
+        """True if the end of the route is reached and only position and heading are still corrected there."""
         return self._closing
 
     def _is_at_end(self, dt: float) -> bool:
@@ -154,8 +154,8 @@ class PathTracker:
     def command(self, pose: Pose2, dt: float, most: float = math.inf) -> tuple[float, ...]:
         """Return the command of the base for the next period.
 
-        Speed in [m/s], negative backwards, turn rate in [rad/s], positive to the left, and of a base that can
-        drive sideways its speed to the left in [m/s].
+        The command is the speed in [m/s], negative backwards, and the turn rate in [rad/s], positive to the
+        left. For a base that can drive sideways, the speed to the left in [m/s] follows.
 
         Args:
             pose: map_T_base.
@@ -170,9 +170,9 @@ class PathTracker:
         return self._ramp.towards(-speed if self._flip else speed, turn_rate, dt)
 
     def hold(self, pose: Pose2, dt: float) -> tuple[float, ...]:
-        """Return the command, as of `command`, with which to come to rest and remain at rest.
+        """Return the command, with the same values as `command`, to come to rest and stay at rest.
 
-        While the base still rolls, its progress is updated: points that it has passed are no longer ahead.
+        While the base still rolls, its progress along the route is updated.
 
         Args:
             pose: map_T_base.

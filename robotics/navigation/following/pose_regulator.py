@@ -15,7 +15,7 @@ FINE_SHARE = 0.25  # of the tolerance of the heading, within which noise of the 
 
 
 class PoseTolerance(NamedTuple):
-    """Tolerances of an arrival."""
+    """Tolerances within which a base counts as arrived at a goal pose."""
 
     position: float = 0.008
     """Position tolerance in [m]."""
@@ -30,16 +30,16 @@ class _Phase(Enum):
 
 
 class PoseRegulator:
-    """Regulator that reaches any nearby pose: turn, drive, turn.
+    """Regulator that brings a base with differential drive to a nearby pose: it turns, drives, and turns
+    again.
 
-    A differential drive can't move sideways, so a sideways error needs a move along another direction: aim
-    at the goal (with the front or the back, whichever turns less), drive there, turn to the goal's
-    heading. Each of the three is a stable one-dimensional loop; if the position is off after the last
-    turn, it begins again.
+    A differential drive can't move sideways. So the base first turns its front or its back to the goal,
+    whichever is less, then drives there, and then turns to the goal's heading. Each of the three steps is a
+    stable one-dimensional control loop. If the position is off after the last turn, the steps are repeated.
 
-    When only millimetres are left, direction and length of the drive are those measured before the first
-    turn: a base that doesn't turn about its exact origin shifts as it turns, and would chase a bearing
-    that turns with it. When it has turned back, it has moved by just the drive.
+    When the distance is only millimetres, direction and length of the drive are measured before the first
+    turn and then kept. Otherwise a base that shifts as it turns would follow a direction to the goal that
+    changes all the time. The shifts of the first and the last turn cancel.
     """
 
     def __init__(
@@ -79,7 +79,8 @@ class PoseRegulator:
         return self._any_heading or pose.turn(self.goal) <= self.tolerance.heading
 
     def command(self, pose: Pose2, dt: float) -> tuple[float, ...]:
-        """Return speed in [m/s], negative backwards, and turn rate in [rad/s], positive to the left.
+        """Return the command for the next period: speed in [m/s], negative backwards, and turn rate in
+        [rad/s], positive to the left.
 
         Args:
             pose: map_T_base.

@@ -14,9 +14,11 @@ SEARCH_AHEAD_M = 0.4  # [m] of path ahead in which the nearest point is looked f
 
 
 class PurePursuit:
-    """Controller that steers for a point of the path ahead, and slows down before the end.
+    """Pure pursuit controller, which steers a car towards a point of the path at a fixed distance ahead.
 
-    Past the end of the path, that point is on a straight line along the path's last heading.
+    It slows down before the end of the path.
+
+    If the path ends before that distance, the point is on a straight line along the path's last heading.
     """
 
     def __init__(
@@ -60,11 +62,13 @@ class PurePursuit:
         return self._pace(pose, speed, dt), self._steer(pose)
 
     def astray(self, pose: Pose2) -> float:
-        """Return the distance from the point of the path at the present progress, in [m]."""
+        """Return the distance of the car from the point of the path that it has reached, in [m]."""
         return float(np.hypot(*(self._poses[self._at, :2] - pose[:2])))
 
     def advance(self, pose: Pose2) -> None:
-        """Move progress to the nearest point of the path not far ahead; never back."""
+        """Set the progress to the point of the path nearest to the car, only a little ahead and never
+        back.
+        """
         end = int(np.searchsorted(self._along, self._along[self._at] + SEARCH_AHEAD_M, side="right"))
         away = np.hypot(*(self._poses[self._at : end, :2] - pose[:2]).T)
         self._at += int(np.argmin(away))

@@ -12,10 +12,10 @@ from handcart.robotics.navigation.following.pose_regulator import FINE_SHARE, Po
 
 
 class SidewaysRamp(Ramp):
-    """Limiter that keeps commands of a base that drives in any direction within its limits.
+    """Limiter of speed and acceleration for the commands of a base that can drive in any direction.
 
-    The speed's change is limited as a vector on the floor: a base that turns while it drives straight is not
-    accelerated. The largest speed in each direction is that of an ellipse.
+    The change of the velocity is limited as a vector on the floor, so a base that turns while it drives
+    straight has no acceleration. The largest velocities in all directions form an ellipse in the base frame.
     """
 
     def __init__(self, limits: DriveLimits) -> None:
@@ -48,7 +48,9 @@ class SidewaysRamp(Ramp):
 
 
 class SidewaysRegulator(PoseRegulator):
-    """Regulator that brings a holonomic base to a pose, driving straight there while it turns."""
+    """Regulator that brings a base that can drive sideways to a pose, by a straight drive during which it
+    turns.
+    """
 
     _ramp: SidewaysRamp
 
@@ -84,7 +86,9 @@ class SidewaysRegulator(PoseRegulator):
 
 
 def speed_towards(x: float, y: float, limits: DriveLimits) -> float:
-    """Return the maximum speed in [m/s] along a vector (x, y) of any length in the base frame."""
+    """Return the maximum speed, in [m/s], in the direction of a vector (x, y) of any length in the base
+    frame.
+    """
     size = math.hypot(x / limits.speed, y / limits.sideways)
     return limits.speed if size == 0.0 else math.hypot(x, y) / size
 

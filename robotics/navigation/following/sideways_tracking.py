@@ -24,9 +24,12 @@ MIN_TURNING_RATIO = 0.3  # of the planned speed, while the base heads elsewhere
 
 
 class SidewaysTracker(PathTracker):
-    """Controller that drives along a route, heading along it, in the last metre towards the goal's heading.
+    """Controller that drives a base that can drive sideways along a route to its end.
 
-    Unlike a differential drive it need not turn in place: it sets out at once and turns meanwhile.
+    The base's heading is that of the route, and in the last metre that of the goal.
+
+    Unlike a base with differential drive, it need not turn in place first, because it can turn while it
+    drives.
     """
 
     _ramp: SidewaysRamp
@@ -104,10 +107,11 @@ def make_tracker(
     tolerance: PoseTolerance = PoseTolerance(),
     allowed: AllowedSpeeds | None = None,
 ) -> PathTracker:
-    """Return the tracker of a base, which drives sideways if its limits allow that.
+    """Return a tracker for a route: a `SidewaysTracker` if the limits allow driving sideways, else a
+    `PathTracker`.
 
     Args:
-        points: (n, 2) of the path, on the map, in [m].
+        points: (n, 2) points of the route, on the map, in [m].
         goal_heading: heading at the end, in [rad]; None: any.
         limits: limits of the drive.
         reverse: True to drive backwards.
@@ -119,6 +123,8 @@ def make_tracker(
 
 
 def make_regulator(goal: Pose2, limits: DriveLimits, tolerance: PoseTolerance) -> PoseRegulator:
-    """Return the regulator of a base, which drives sideways if its limits allow that."""
+    """Return a regulator for a goal pose: for a base that drives sideways if the limits allow that, otherwise
+    for a differential drive.
+    """
     kind = SidewaysRegulator if limits.sideways > 0.0 else PoseRegulator
     return kind(goal, limits, tolerance)

@@ -11,9 +11,11 @@ RETURN_LENGTH_M = 0.5  # [m] of way in which it comes back to it
 
 
 class StraightWay:
-    """Controller that drives a base along a straight line, to a moving target on it.
+    """Controller that drives a base along a straight line so that it keeps up with a point moving on that
+    line.
 
-    Lateral and heading error decay over `RETURN_LENGTH_M`, critically damped, in either direction of driving.
+    Lateral error and heading error decay over a distance of `RETURN_LENGTH_M`, critically damped, also in
+    backward driving.
     """
 
     def __init__(self, start: Pose2, limits: DriveLimits) -> None:
@@ -25,9 +27,10 @@ class StraightWay:
 
         Args:
             pose: world_T_base.
-            along: where on the way the base should be now, in [m] ahead of the start; negative behind it.
+            along: wanted position of the base on the line now, in [m] ahead of the start; negative behind the
+                start.
             speed: speed of that point along the way, in [m/s].
-            dt: of the period, in [s].
+            dt: control period, in [s].
         """
         here = pose.relative_to(self._start)
         turn = -(speed * here.y / RETURN_LENGTH_M + 2.0 * abs(speed) * here.theta) / RETURN_LENGTH_M

@@ -28,17 +28,19 @@ def unseen_edge(
     curvature: float,
     length: float,
 ) -> FloatArray | None:
-    """Return the middle of the unseen ground that a disc comes to on an arc, or None where it sees enough.
+    """Return the middle of unseen ground that a disc-shaped robot would reach on an arc; None if the lidar
+    sees enough.
 
-    The leading edge of the disc at the arc's end is checked; it is unseen where no beam with a reading is.
+    The front edge of the disc at the arc's end is checked. Ground is unseen where no beam with a reading
+    points.
 
     Args:
-        angles: (n,) of the beams in the sensor frame, ascending, in [rad].
-        blind: (n,) whether a beam shows nothing, neither a thing nor free ground.
-        base_T_sensor: of the lidar.
-        radius: of the disc, in [m].
-        curvature: of the arc, in [1/m], to the left.
-        length: of the arc, in [m]; below zero backwards.
+        angles: (n,) angles of the beams in the sensor frame, ascending, in [rad].
+        blind: (n,) True for beams without a reading, which show neither an obstacle nor free ground.
+        base_T_sensor: pose of the lidar.
+        radius: radius of the disc, in [m].
+        curvature: curvature of the arc, in [1/m], positive to the left.
+        length: length of the arc, in [m]; below zero backwards.
 
     Returns:
         (2,) in the base frame, in [m].
@@ -66,13 +68,13 @@ def unseen_edge(
 def is_driven(
     driven: FloatArray, pose: Pose2, curvature: float, length: float, near: float = DRIVEN_NEAR_M
 ) -> bool:
-    """Return whether the middle of a robot stays on an arc where it has driven.
+    """Return whether the robot's centre, on an arc, stays near positions where it has been before.
 
     Args:
-        driven: (n, 2) positions that its middle had, on the map, in [m].
+        driven: (n, 2) earlier positions of the robot's centre, on the map, in [m].
         pose: map_T_base.
-        curvature: of the arc, in [1/m], positive to the left.
-        length: of the arc, in [m]; below zero backwards.
+        curvature: curvature of the arc, in [1/m], positive to the left.
+        length: length of the arc, in [m]; below zero backwards.
         near: allowed distance from `driven`, in [m].
     """
     if len(driven) == 0:

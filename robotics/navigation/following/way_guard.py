@@ -22,7 +22,7 @@ NO_STANDS = np.empty((0, 2))
 
 
 class HoldingObstacle(NamedTuple):
-    """An obstacle that a robot would touch."""
+    """Obstacle because of which a robot must not move on, with its position and the missing distance."""
 
     shown_by: Literal["map", "scan", "contact", "unseen"]
     """Source of the obstacle; contact: the base ran into it; unseen: the lidar does not see the ground
@@ -57,10 +57,10 @@ class _Stand(NamedTuple):
 
 
 class WayGuard:
-    """Check of the area that a disc will sweep, against the map and the latest scan.
+    """Check whether the area that a disc-shaped robot will sweep is free of mapped and scanned obstacles.
 
-    If something is nearer than it may be, only motion that leads away from it is free. The robot may
-    return to the pose where it began (`stand_at`).
+    If an obstacle is nearer than the needed distance, only motion away from it is allowed, and the return to
+    the pose at which the robot began (`stand_at`).
     """
 
     def __init__(self, needed: float, grid: GridMap | None = None) -> None:
@@ -76,7 +76,8 @@ class WayGuard:
         self._stands: tuple[_Stand, ...] = ()
 
     def stand_at(self, pose: Pose2, scan: FloatArray) -> None:
-        """Allow the robot to be at a pose with the room that map and scan leave there; forget earlier poses.
+        """Allow the robot to be as near to mapped and scanned obstacles as it is at a pose; forget earlier
+        such poses.
 
         Args:
             pose: map_T_base.
@@ -86,7 +87,7 @@ class WayGuard:
         self._stands = (_Stand(pose, (self._map.nearest(pose[:2]).distance, scanned)),)
 
     def may_stand_at(self, pose: Pose2) -> None:
-        """Allow the robot to come as near to mapped obstacles at one more pose map_T_base as it is there."""
+        """Allow the robot, at one more pose map_T_base, to be as near to mapped obstacles as that pose is."""
         self._stands += (_Stand(pose, (self._map.nearest(pose[:2]).distance, math.inf)),)
 
     def free_way(
@@ -99,7 +100,7 @@ class WayGuard:
         Args:
             pose: map_T_base.
             scan: (n, 2) points of the lidar in the base frame, in [m].
-            curvature: of the arc, in [1/m], positive to the left.
+            curvature: curvature of the arc, in [1/m], positive to the left.
             length: length of the arc, in [m]; below zero backwards.
         """
         chart = self._map

@@ -32,7 +32,7 @@ RELATIVE_COVARIANCE = np.diag([0.03, 0.03, 0.02]) ** 2  # [m², rad²] of the mo
 
 
 class LayerMatch(NamedTuple):
-    """Pose of a scan among the keyframes."""
+    """Pose of a scan that was matched with earlier keyframes of the drive, with covariance and quality."""
 
     pose: Pose2
     """map_T_base."""
@@ -43,7 +43,9 @@ class LayerMatch(NamedTuple):
 
 
 class KeyframeLayer:
-    """Keyframes of a drive with their poses and covariances."""
+    """Map of the current drive, made of keyframes (scans with poses and covariances), to match later scans
+    with.
+    """
 
     STATE: ClassVar = {
         "_poses": FloatArray,
@@ -70,7 +72,9 @@ class KeyframeLayer:
         return len(self._poses) == 0
 
     def take(self, points: FloatArray, pose: Pose2, covariance: FloatArray) -> bool:
-        """Add a scan that is 0.3 m or 20 degrees from all keyframes; return whether it was added.
+        """Add a scan as a keyframe if its pose is new; return whether it was added.
+
+        A pose is new if it differs from the poses of all keyframes by at least 0.3 m or 20 degrees.
 
         A scan with fewer than 20 points is not added.
 
@@ -93,11 +97,12 @@ class KeyframeLayer:
         return True
 
     def match(self, points: FloatArray, prior: Pose2, sigma: float) -> LayerMatch | None:
-        """Find a scan among the keyframes; None without a near keyframe, or if they explain too little.
+        """Match a scan with the keyframes; None if no keyframe is near, or if they match too few of its
+        points.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].
-            prior: map_T_base by the wheels since the last pose.
+            prior: map_T_base, expected from the last pose and the motion of the wheels since then.
             sigma: noise of a range, in [m].
         """
         if len(points) < MIN_POINTS or self.empty:

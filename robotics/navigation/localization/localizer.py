@@ -45,7 +45,7 @@ SHARE_OF_CELL = 0.2  # by which they never differ on large cells, where several 
 
 
 class Localizer(ABC):
-    """Estimator of map_T_base from wheel travel and range scans."""
+    """Base class of estimators of map_T_base from the travel of the wheels and from lidar scans."""
 
     STATE: ClassVar[Mapping[str, Any]] = {}
     """Attributes that change, besides the odometry's, with their types."""
@@ -85,40 +85,42 @@ class Localizer(ABC):
         return self._odometry.covariance
 
     def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
-        """Predict the motion from the wheels' travel since the last call, in [m]; sideways to the left."""
+        """Move the pose by the wheels' travel since the last call, in [m]; `sideways` is positive to the
+        left.
+        """
         self._odometry.predict(left, right, sideways)
 
     @property
     def field(self) -> LikelihoodField | None:
-        """Field of the map that scans are compared with; None without one."""
+        """Likelihood field of the map with which scans are compared; None without a map."""
         return None
 
     def extend_map(self, field: LikelihoodField) -> None:
-        """Compare scans with another map of the same frame from now on."""
+        """Compare scans with another map from now on, which has the same frame as the map before."""
 
     def change_map(self, field: LikelihoodField, pose: Pose2, covariance: FloatArray) -> None:
-        """Set the pose in another frame, and compare scans with the map of that frame from now on.
+        """Change to another map with another frame: set the pose there, and compare scans with that map.
 
         Args:
-            field: of that map.
-            pose: pose of the base in the frame of that map.
+            field: likelihood field of the other map.
+            pose: pose of the base in the frame of the other map.
             covariance: (3, 3) of the pose, in [m, m, rad].
         """
         self._odometry.reset(pose, covariance)
         self.extend_map(field)
 
     def deny_wheels(self, pose: Pose2, covariance: FloatArray) -> None:
-        """Take over a pose that contradicts the wheels, and add its distance from theirs to the covariance.
+        """Set a pose that contradicts the wheels; add its difference from the present pose to the covariance.
 
         Args:
             pose: map_T_base by scans.
-            covariance: (3, 3) that is added to that of the pose, in [m, m, rad].
+            covariance: (3, 3) covariance of the pose before that addition, in [m, m, rad].
         """
         off = pose_difference(self.pose, pose)
         self._odometry.shift(pose, covariance + np.outer(off, off))
 
     def find_again(self, points: FloatArray) -> bool:
-        """Take over another pose if a scan clearly fits there; return whether it was accepted.
+        """Change to another pose if a scan clearly fits the map there; return whether the pose was changed.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].
@@ -127,7 +129,7 @@ class Localizer(ABC):
 
     @abstractmethod
     def correct(self, points: FloatArray) -> bool:
-        """Correct by a scan's end points (n, 2), base frame, in [m]; return whether that was possible."""
+        """Correct the pose by scan points (n, 2), in the base frame in [m]; return whether that succeeded."""
 
 
 class ScanLocalizer(Localizer):
@@ -136,7 +138,7 @@ class ScanLocalizer(Localizer):
     Attributes:
         last_match: match of the latest scan, accepted or not; None before the first.
         expects_echoes: returns whether the map shows enough surfaces for a scan at a pose map_T_base. Where
-            it does not, a scan without echoes says nothing, and wheels alone carry the pose on.
+            it does not, a scan without echoes is no evidence, and only the wheels update the pose.
     """
 
     STATE: ClassVar[Mapping[str, Any]] = {
@@ -224,7 +226,7 @@ class ScanLocalizer(Localizer):
     def map_error(self) -> FloatArray:
         """Part (3, 3) of `covariance` that comes from the map's error, x, y in [m] and heading in [rad].
 
-        It is the same in all poses measured at one place.
+        This error is the same in all poses that are measured at one place.
         """
         return self._map_error @ self._map_error.T
 
@@ -251,17 +253,14 @@ class ScanLocalizer(Localizer):
 
     @property
     def lost(self) -> bool:
-        """True if the last scans didn't fit the map anywhere near, or the first one not at the stated
-        start.
-        """
+        """True if the last scans fit the map at no near pose, or the first scan contradicts the start."""
         return self.misplaced or self._poor >= self._patience
 
     def correct(self, points: FloatArray) -> bool:
-        """Match a scan and take the pose over, unless the map explains too little of it; return whether it
-        did.
+        """Correct the pose by a scan, unless too little of it fits the map; return whether it was corrected.
 
         Args:
-            points: (n, 2) of the scan in the base frame, in [m].
+            points: (n, 2) end points of the scan in the base frame, in [m].
         """
         if len(points) < FEWEST_POINTS:
             self._poor += self.expects_echoes(self.pose)
@@ -301,10 +300,10 @@ class ScanLocalizer(Localizer):
         return True
 
     def check_start(self, beams: ScanBeams) -> StartFit:
-        """Compare the stated start with all other places of the map, by the first scan.
+        """Check the stated start by the first scan, in comparison with all other places of the map.
 
-        If exactly one other place within `PLAUSIBLE_M` explains the scan, the pose is set to it; if several,
-        or none completely, the robot is misplaced. Nothing is compared if the start explains the scan.
+        If the scan fits at the start, nothing else is compared. If it fits at exactly one other place within
+        `PLAUSIBLE_M`, the pose is set to that place. Otherwise `misplaced` is set.
         """
         noise = math.hypot(self._sigma, CELL_SIGMA * self._field.map.resolution)
         fit = check_start(self._field, beams, self.pose, noise)
@@ -337,11 +336,10 @@ class ScanLocalizer(Localizer):
             self._odometry.doubt_scale(wrong)
 
     def find_again(self, points: FloatArray) -> bool:
-        """Search for the pose of a base that was moved, up to about 0.3 m and 10 degrees away; return whether
-        it was found.
+        """Search for a base that was moved by up to about 0.3 m and 10 degrees; return whether it was found.
 
         Args:
-            points: (n, 2) of a scan in the base frame, in [m].
+            points: (n, 2) end points of a scan in the base frame, in [m].
         """
         if len(points) < FEWEST_POINTS:
             return False
@@ -357,11 +355,13 @@ class ScanLocalizer(Localizer):
         return True
 
     def relocalize(self, near: Pose2, points: FloatArray) -> ScanMatch:
-        """Start again at the best match near a rough pose, up to about 0.3 m and 10 degrees off; return it.
+        """Set the pose to the best match of a scan near a rough pose; return the match.
+
+        The rough pose may be off by up to about 0.3 m and 10 degrees.
 
         Args:
             near: rough map_T_base.
-            points: (n, 2) of a scan in the base frame, in [m].
+            points: (n, 2) end points of the scan in the base frame, in [m].
         """
         match = match_scan(self._field, points, near, SEARCH_COVARIANCE, self._sigma, anneal=True)
         self._odometry.reset(match.pose, match.covariance)
@@ -373,12 +373,12 @@ class ScanLocalizer(Localizer):
 def is_apart(
     before: Pose2, after: ScanMatch, covariance: FloatArray, field: LikelihoodField, surface_error: float
 ) -> bool:
-    """Return True if two poses by scans are different places, beyond the uncertainty of the scans.
+    """Return whether two poses measured by scans differ by more than the uncertainty of the scans.
 
     Args:
         before: map_T_base of the first pose.
-        after: the second one.
-        covariance: (3, 3) of their difference at one place, in [m, m, rad].
+        after: match that gives the second pose.
+        covariance: (3, 3) of their difference if the base has not moved, in [m, m, rad].
         field: likelihood field of the map.
         surface_error: error of the map's surfaces, in [m].
     """

@@ -32,16 +32,16 @@ MIN_SHARE_KEPT_BY_DRIVE = 0.5
 
 
 class OdometryLocalizer(Localizer):
-    """Localizer that uses wheels alone while the base drives.
+    """Localizer that updates the pose by the wheels alone while the base drives.
 
-    With a map, scans at rest are evidence: of a base that was moved while its wheels were still, and of
-    its pose after a drive (`check_drive`).
+    With a map, scans taken at rest are used for two checks: whether the base was moved while its wheels were
+    still (`find_again`), and whether the pose is right after a drive (`check_drive`).
 
     Attributes:
         slips: number of drives after which a scan contradicted the wheels.
-        astray: True if the map doesn't explain the scan after the last drive, though it did before.
-        explained: share of the points that the map explained of the last scan that corrected the pose, 0
-            before the first.
+        astray: True if the scan after the last drive doesn't fit the map, although scans did before.
+        explained: share of the points that fit the map, of the last scan that corrected the pose; 0 before
+            the first.
     """
 
     STATE: ClassVar[Mapping[str, Any]] = {
@@ -76,7 +76,7 @@ class OdometryLocalizer(Localizer):
 
     @property
     def looks(self) -> bool:
-        """True with a map, with which scans are compared."""
+        """True if there is a map, with which scans at rest are compared."""
         return self._field is not None
 
     @property
@@ -113,12 +113,16 @@ class OdometryLocalizer(Localizer):
         self._driven = max(self._driven, 2.0 * DRIVING_WHEEL_TRAVEL_M)
 
     def correct(self, points: FloatArray) -> bool:
-        """Ignore a scan (n, 2), in the base frame in [m]; return False."""
+        """Ignore a scan, because only the wheels correct the pose while the base drives; return False.
+
+        Args:
+            points: (n, 2) end points of the scan in the base frame, in [m].
+        """
         return False
 
     @property
     def unchecked(self) -> bool:
-        """True if it has driven since a scan was last compared with the wheels' pose, or none was so far.
+        """True if the base has driven since the pose was last compared with a scan, or it never was compared.
 
         False without a map.
         """
@@ -126,9 +130,10 @@ class OdometryLocalizer(Localizer):
 
     @property
     def added_sigma(self) -> float:
-        """Sigma in [m], along the worst direction, that the drive since the last check has added to the pose.
+        """Standard deviation, in [m], that the drive since the last check has added to the position.
 
-        0 if no scan at rest can reduce it: without a map, or while the map does not explain the scans.
+        It is that along the worst direction. It is 0 if no scan at rest can reduce it: without a map, or
+        while scans do not fit the map.
         """
         if not self.unchecked or self.astray or self.explained < LEAST_INLIERS:
             return 0.0
@@ -137,8 +142,9 @@ class OdometryLocalizer(Localizer):
     def check_drive(self, points: FloatArray) -> None:
         """Correct the pose after a drive by a scan at rest, its end points (n, 2) in the base frame, in [m].
 
-        If chance doesn't explain the difference between the two, the wheels slipped, and the scan's pose
-        counts alone. Nothing changes without a map, or if it explains too little of the scan.
+        If the poses by wheels and by scan differ by more than their uncertainty allows, the wheels slipped,
+        and the pose is set to that of the scan. Nothing changes without a map, or if too little of the scan
+        fits the map.
         """
         if self._field is None:
             return
@@ -169,9 +175,9 @@ class OdometryLocalizer(Localizer):
         self._odometry.correct(pose, (np.eye(3) - gain) @ own)
 
     def find_again(self, points: FloatArray) -> bool:
-        """Return True if the last two scans of a base at rest fit the map at different places.
+        """Return True if the base was moved at rest: its last two scans fit the map at different places.
 
-        The difference between them is added to the pose.
+        The motion between these places is added to the pose.
 
         Args:
             points: (n, 2) of the scan in the base frame, in [m].

@@ -22,10 +22,11 @@ _IDENTITY = np.eye(3)
 
 
 class PositioningLocalizer(Localizer):
-    """A Kalman filter: wheels carry the pose on, readings of a positioning system correct it.
+    """Kalman filter that moves the pose by the wheels and corrects it by readings of a positioning system.
 
-    A late reading is first carried on by what the wheels have done since. At rest the readings are averaged.
-    Three readings in a row that nothing explains mean that the base was moved: its pose is then theirs.
+    A late reading is first moved by the wheels' motion since its time. At rest the readings are averaged.
+    Three readings in a row far from the expected pose mean that the base was moved: its pose is set to the
+    last reading.
     """
 
     STATE: ClassVar[Mapping[str, Any]] = {
@@ -61,7 +62,7 @@ class PositioningLocalizer(Localizer):
         self._shifts: tuple[tuple[Pose2, ...], ...] = ((),)  # in each of their periods: of all until then
 
     def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
-        """Predict the motion from the wheels' travel; to be called once a period.
+        """Move the pose by the travel of the wheels in one period; to be called once a period.
 
         Args:
             left: travel of the left wheels, in [m].
@@ -73,13 +74,18 @@ class PositioningLocalizer(Localizer):
         self._shifts = (*self._shifts[-KEPT_PERIODS:], ())
 
     def correct(self, points: FloatArray) -> bool:
-        """Ignore a scan (n, 2), in the base frame in [m]; return False."""
+        """Ignore a scan, because only readings of the positioning system correct the pose; return False.
+
+        Args:
+            points: (n, 2) end points of the scan in the base frame, in [m].
+        """
         return False
 
     def take(self, number: int, measured: Pose2, periods: int) -> bool:
-        """Correct the pose by a reading; return True if it shows, with those before, that the base was moved.
+        """Correct the pose by a reading; return True if the base was moved, by this and earlier readings.
 
-        The pose is then that of the reading. A single reading that nothing explains changes nothing.
+        If it was moved, the pose is set to the reading. A single reading far from the expected pose is
+        ignored.
 
         Args:
             number: number of the reading; a repeated number is ignored.

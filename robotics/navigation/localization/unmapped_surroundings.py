@@ -26,7 +26,9 @@ SHIFT_M, SHIFT_RAD = 0.05, 0.02  # by which a correction by the map makes the ke
 
 
 class UnmappedSurroundings:
-    """Keyframes of a drive on a map, to locate scans of which the map explains too little."""
+    """Localizer for scans that do not fit the map, by keyframes: earlier scans of the drive with their
+    poses.
+    """
 
     def __init__(self, field: LikelihoodField, sigma: float) -> None:
         """Begin without keyframes; `field` is that of the map, `sigma` the noise of a range in [m]."""
@@ -35,20 +37,23 @@ class UnmappedSurroundings:
         """Keyframes so far."""
 
     def locate(self, points: FloatArray, prior: Pose2) -> LayerMatch | None:
-        """Return the pose of a scan among the keyframes; None if they or the map contradict it.
+        """Return the pose at which a scan fits the keyframes; None if it fits nowhere, or the map contradicts
+        the pose.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].
-            prior: map_T_base by the wheels since the last pose.
+            prior: map_T_base, expected from the last pose and the motion of the wheels since then.
         """
         found = self.layer.match(points, prior, self._sigma)
         return None if found is None or self.contradicts(points, found.pose) else found
 
     def contradicts(self, points: FloatArray, pose: Pose2) -> bool:
-        """Return whether more beams pass through walls of the map than removed objects explain.
+        """Return whether so many beams of a scan pass through walls of the map that the pose must be wrong.
+
+        Some beams may do so, because objects on the map may have been removed.
 
         Args:
-            points: (n, 2) of the scan in the base frame, in [m].
+            points: (n, 2) end points of the scan in the base frame, in [m].
             pose: map_T_base.
         """
         ranges = np.hypot(points[:, 0], points[:, 1])
@@ -59,12 +64,14 @@ class UnmappedSurroundings:
     def corrected_by_map(
         self, points: FloatArray, found: LayerMatch, map_error: FloatArray
     ) -> ScanMatch | None:
-        """Correct a pose by the part of a scan that the map explains; None if that is unsafe.
+        """Correct a pose by the part of a scan that fits the map; return None if that part is too small or
+        contradicts it.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].
-            found: pose among the keyframes.
-            map_error: (3, 3) factor W of the map's share W Wᵀ in the covariance of `found`.
+            found: pose at which the scan fits the keyframes.
+            map_error: (3, 3) factor W; W Wᵀ is the part of the covariance of `found` that comes from the
+                map's error.
         """
         worst = float(np.linalg.eigvalsh(found.covariance[:2, :2])[-1])
         if worst > PARTIAL_SIGMA_M**2 or found.covariance[2, 2] > PARTIAL_SIGMA_RAD**2:
@@ -81,7 +88,10 @@ class UnmappedSurroundings:
         return match if float(off @ np.linalg.solve(allowed, off)) < PARTIAL_SIGMAS**2 else None
 
     def take(self, points: FloatArray, before: Pose2, pose: Pose2, covariance: FloatArray) -> None:
-        """Add a scan at its final pose; drop all earlier ones if it moved the pose by more than `SHIFT_M`.
+        """Add a scan as a keyframe at its final pose.
+
+        If the scan has corrected the pose by more than `SHIFT_M` or `SHIFT_RAD`, all earlier keyframes are
+        removed.
 
         Args:
             points: (n, 2) end points in the base frame, in [m].

@@ -32,7 +32,7 @@ MAX_BEAMS = 180
 
 
 class Explained(NamedTuple):
-    """Shares of a scan's beams, for each of n poses."""
+    """Shares of a scan's beams that agree or disagree with the map, for each of n poses."""
 
     explained: FloatArray
     """(n,) share of the beams that the map explains, 0 to 1; beams that return nothing count too."""
@@ -45,13 +45,19 @@ class Explained(NamedTuple):
 
     @property
     def log_likelihood(self) -> FloatArray:
-        """(n,) natural logarithm of the scan's likelihood; 0 where the map explains all beams."""
+        """Natural logarithm of the scan's likelihood at each pose, (n,); 0 if all beams agree with the
+        map.
+        """
         cost = math.log(SHORT_ODDS) * self.short + math.log(THROUGH_ODDS) * self.through
         return np.asarray(-self.independent * cost)
 
 
 def matching_noise(field: LikelihoodField, sigma: float) -> float:
-    """Return the sigma in [m] of a point's distance to the map; `sigma` of a range in [m]."""
+    """Return the standard deviation of a scan point's distance to the map, in [m].
+
+    Args: field: likelihood field of the map, whose resolution counts. sigma: standard deviation of a range,
+    in [m].
+    """
     return math.hypot(sigma, CELL_SIGMA * field.map.resolution)
 
 
@@ -64,13 +70,15 @@ def thinned(beams: ScanBeams, most: int = MAX_BEAMS) -> ScanBeams:
 
 
 def independent_beams(beams: ScanBeams) -> float:
-    """Return the number of independent directions in which a scan shows something."""
+    """Return the number of sectors of `INDEPENDENT_RAD` in which a scan has a reading; their beams are
+    independent.
+    """
     known = beams.angles[~np.isnan(beams.ranges)]
     return float(len(np.unique(np.floor(known / INDEPENDENT_RAD)))) if len(known) else 0.0
 
 
 def explain(field: LikelihoodField, beams: ScanBeams, poses: FloatArray, noise: float) -> Explained:
-    """Compare a scan with what the map shows from poses.
+    """Return how well a scan agrees with the map at each of some poses.
 
     Args:
         field: likelihood field of the map.

@@ -44,10 +44,10 @@ class Found(NamedTuple):
 
 
 def search_map(field: LikelihoodField, beams: ScanBeams, noise: float) -> Found:
-    """Return the poses on a map that explain a scan best, from different places each.
+    """Return the poses, each at a different place of the map, at which a scan fits best.
 
-    At most `MAX_FOUND` poses, none `KEPT_LOG` less likely than the best one; none if the scan has less than
-    a third of `COARSE_POINTS` echoes.
+    There are at most `MAX_FOUND` poses. Poses whose log-likelihood is lower than the best by more than
+    `KEPT_LOG` are left out. There is no pose if the scan has fewer echoes than a third of `COARSE_POINTS`.
 
     Args:
         field: likelihood field of the map.
@@ -79,11 +79,11 @@ def search_map(field: LikelihoodField, beams: ScanBeams, noise: float) -> Found:
 def refine_poses(
     field: LikelihoodField, points: FloatArray, poses: FloatArray, noise: float, scales: tuple[float, ...]
 ) -> FloatArray:
-    """Return poses from which a scan fits the map best, each near one of `poses`.
+    """Return the poses at which a scan fits the map best, one near each of `poses`.
 
     Args:
         field: likelihood field of the map.
-        points: (m, 2) of the scan in the base frame, in [m].
+        points: (m, 2) end points of the scan in the base frame, in [m].
         poses: (n, 3) map_T_base to begin at: x, y in [m], heading in [rad].
         noise: sigma of a point's distance to the map, in [m].
         scales: scales of the robust cost before the final one, in [m].
@@ -102,11 +102,11 @@ def refine_poses(
 
 
 def same_place(poses: FloatArray, pose: FloatArray) -> BoolArray:
-    """Return a mask (n,): which poses are less than 0.25 m and 10 degrees from another pose.
+    """Return a mask (n,), True for poses that differ from a given pose by less than 0.25 m and 10 degrees.
 
     Args:
         poses: (n, 3) map_T_base: x, y in [m], heading in [rad].
-        pose: (3,) map_T_base: x, y in [m], heading in [rad].
+        pose: (3,) given map_T_base: x, y in [m], heading in [rad].
     """
     away = np.hypot(poses[:, 0] - pose[0], poses[:, 1] - pose[1])
     turn = np.abs(np.remainder(poses[:, 2] - pose[2] + math.pi, 2.0 * math.pi) - math.pi)

@@ -42,7 +42,9 @@ class Look(NamedTuple):
 
 
 class Hypotheses:
-    """Poses on a map that explain a number of scans, the best first."""
+    """Hypotheses for the unknown pose of a base on a map, the best first, from several scans taken at
+    rest.
+    """
 
     def __init__(self, field: LikelihoodField, sigma: float) -> None:
         """Start without a scan, on the map of a field; `sigma` of a range, in [m]."""
@@ -57,11 +59,12 @@ class Hypotheses:
         """(n,) share of the beams of all scans that the map explains."""
 
     def take(self, beams: ScanBeams, pose: Pose2) -> None:
-        """Take a scan at rest into account.
+        """Update the hypotheses by a scan at rest, and search the map for new hypotheses if necessary.
 
         Args:
             beams: beams of the scan.
-            pose: local_T_base at the scan, by odometry and matching with earlier scans.
+            pose: local_T_base at the scan, by odometry and matching with earlier scans; the frame is that of
+                the first scan.
         """
         away = min((pose.distance(look.pose) for look in self.looks), default=math.inf)
         look = Look(beams, pose, min(1.0, away / NEW_SCAN_M))
@@ -82,14 +85,16 @@ class Hypotheses:
 
     @property
     def alive(self) -> IntArray:
-        """Indices (k,) of the hypotheses that are not refuted."""
+        """Indices (k,) of the hypotheses that are not refuted, which means much less likely than the best
+        one.
+        """
         if not len(self.log_likelihoods):
             return np.empty(0, dtype=np.int64)
         return np.flatnonzero(self.log_likelihoods >= self.log_likelihoods[0] - REFUTED_LOG)
 
     @property
     def share(self) -> float:
-        """Mean share of the scans' beams that the best hypothesis explains, from 0 to 1."""
+        """Mean share of the scans' beams that agree with the map at the best hypothesis, from 0 to 1."""
         weight = sum(look.weight for look in self.looks)
         return float(self.explained[0]) / weight if len(self.explained) and weight > 0.0 else 0.0
 
@@ -101,12 +106,12 @@ class Hypotheses:
 
     @property
     def is_explained(self) -> bool:
-        """True if the best hypothesis explains the scans."""
+        """True if enough of the scans' beams agree with the map at the best hypothesis."""
         return self.share >= MIN_EXPLAINED
 
     @property
     def is_unique(self) -> bool:
-        """True if exactly one hypothesis explains the scans, and all others are refuted."""
+        """True if the best hypothesis explains the scans, and all other hypotheses are much less likely."""
         return self.is_explained and len(self.alive) == 1
 
     def _needs_search(self, likely: FloatArray) -> bool:

@@ -35,7 +35,7 @@ class _View(NamedTuple):
 
 
 class LocalMap:
-    """Scans drawn where odometry and matching say that they were taken."""
+    """Map of the surroundings that is drawn from scans, at poses from odometry and matching of the scans."""
 
     def __init__(self) -> None:
         """Create an empty map."""
@@ -45,7 +45,10 @@ class LocalMap:
         self._field: LikelihoodField | None = None
 
     def is_due(self, pose: Pose2) -> bool:
-        """Return whether a scan from local_T_base is to be added, 0.5 m or 30 degrees from all others."""
+        """Return whether a pose local_T_base is new, so that a scan from it should be added.
+
+        A pose is new if it differs from those of all added scans by at least 0.5 m or 30 degrees.
+        """
         return not any(
             pose.distance(seen) < KEYFRAME_M and pose.turn(seen) < KEYFRAME_RAD for seen in self._poses
         )
@@ -65,7 +68,7 @@ class LocalMap:
 
     @property
     def field(self) -> LikelihoodField:
-        """Likelihood field of `grid`."""
+        """Likelihood field of the map `grid`, with which scans are matched."""
         if self._field is None:
             self._field = LikelihoodField(self.grid, is_drawn=True)
         return self._field
@@ -77,10 +80,10 @@ class LocalMap:
 
     @classmethod
     def of_echoes(cls, echoes: FloatArray, pose: Pose2) -> LocalMap:
-        """Return a map of surfaces alone.
+        """Return a map that contains given surface points and no free ground.
 
         Args:
-            echoes: (n, 2) in the local frame, in [m].
+            echoes: (n, 2) points where beams met a surface, in the local frame, in [m].
             pose: local_T_base from which they were seen.
         """
         made = cls()

@@ -38,7 +38,10 @@ def same_ranges(one: FloatArray, other: FloatArray) -> bool:
 
 @compiled
 def beam_step(angles: FloatArray) -> float:
-    """Return the angle between beams at even steps (n,), in [rad]; 0 for a single one."""
+    """Return the angle between neighbouring beams, in [rad]; 0 for a single beam.
+
+    Args: angles: (n,) angles of the beams at even steps, in [rad].
+    """
     count = len(angles)
     return (angles[count - 1] - angles[0]) / max(1, count - 1) if count else 0.0
 
@@ -47,15 +50,15 @@ def beam_step(angles: FloatArray) -> float:
 def moved_echoes(
     before: tuple[FloatArray, FloatArray, FloatArray], moved: tuple[float, float, float], sensor: FloatArray
 ) -> FloatArray:
-    """Return an earlier scan's echoes (m, 2) relative to the sensor now, in [m]; NaN without an echo.
+    """Return the echoes (m, 2) of an earlier scan, relative to the sensor's present position, in [m].
 
-    x and y are along the axes of the base now.
+    x and y are along the present axes of the base. A beam without an echo gives NaN.
 
     Args:
         before: origin (2,) in [m], angles (m,) in [rad] and ranges (m,) in [m] of the earlier scan, in the
-            base frame then.
-        moved: pose of the base then, in the base frame now: x, y in [m], heading in [rad].
-        sensor: (2,) origin of the beams in the base frame now, in [m].
+            base frame at the time of that scan.
+        moved: pose of the base at the earlier scan, in the present base frame: x, y in [m], heading in [rad].
+        sensor: (2,) origin of the beams in the present base frame, in [m].
     """
     origin, rays, reaches = before
     cos, sin = math.cos(moved[2]), math.sin(moved[2])

@@ -36,7 +36,7 @@ MAX_ROUTES = 8  # places to which a route is looked for
 
 
 class View(NamedTuple):
-    """A place to drive to for another scan."""
+    """Place to which a base should drive for another scan, which distinguishes hypotheses of its pose."""
 
     route: FloatArray
     """(n, 2) points from the base to it, in the local frame, in [m]."""
@@ -45,7 +45,9 @@ class View(NamedTuple):
 
 
 class Surroundings(NamedTuple):
-    """Sensed ground around the base."""
+    """Map of the ground that the lidar has seen around the base, with the base's pose and the places
+    tried.
+    """
 
     seen: GridMap
     """Map in the local frame; ground that was not seen is unknown."""
@@ -58,7 +60,10 @@ class Surroundings(NamedTuple):
 
 
 def next_view(around: Surroundings, field: LikelihoodField, poses: FloatArray, reach: float) -> View | None:
-    """Return the next place to look from, 0.5 to 6 m away, or None if no place helps.
+    """Return the next place for a scan that distinguishes the hypotheses of the base's pose; None without
+    one.
+
+    The place is 0.5 to 6 m away.
 
     Args:
         around: ground that was seen.
@@ -88,10 +93,11 @@ def predicted_difference(
 ) -> FloatArray:
     """Return how well a scan would separate the best hypothesis from the others, at each place.
 
-    A range differs from `DIFFERENT_M` on. All zeros with a single hypothesis.
+    Two ranges count as different if they differ by more than `DIFFERENT_M`. With a single hypothesis all
+    values are 0.
 
     Args:
-        here: local_T_base now; each of `poses` is a hypothesis on map_T_base at this moment.
+        here: present local_T_base; each of `poses` is a hypothesis for map_T_base at the same moment.
         places: (n, 2) in the local frame, in [m].
         field: likelihood field of the map.
         poses: (k, 3) map_T_base of each hypothesis, in [m, m, rad], the best first.
@@ -117,13 +123,15 @@ def predicted_difference(
 
 
 def look_alike(field: LikelihoodField, poses: FloatArray, radius: float, within: float, reach: float) -> bool:
-    """Return whether the map looks the same for the best hypothesis and another one, from every place around.
+    """Return whether scans from no near place could distinguish the best hypothesis from another one.
+
+    The map then looks the same around both hypotheses.
 
     Args:
         field: likelihood field of the map.
         poses: (k, 3) map_T_base of each hypothesis, in [m, m, rad], the best first.
         radius: radius of the footprint, in [m].
-        within: distance from the base within which places count, in [m].
+        within: largest distance of the places from the base, in [m].
         reach: largest range of the lidar, in [m].
     """
     here = Pose2(*poses[0].tolist())

@@ -22,10 +22,11 @@ MAX_REFERENCE_M, MAX_REFERENCE_RAD = 1.0, 0.6  # of motion, after which the last
 
 
 class ScanJump:
-    """Test of each scan against the last one that fitted, moved as the wheels say.
+    """Detector of a base that was lifted, which compares each scan with an earlier one moved by the wheels.
 
-    A base that slides off an obstacle moves differently from its wheels; its scans show how. Then a scan is
-    also compared with the last one, moved by the estimated motion.
+    The earlier scan is the last one that agreed with its predecessor. A base that slides off an obstacle
+    moves differently from its wheels. Then a scan is also compared with the earlier one moved by the
+    estimated motion.
     """
 
     def __init__(self) -> None:
@@ -38,7 +39,7 @@ class ScanJump:
         """Share of the last scan's beams that differ from those of the reference."""
 
     def roll(self, left: float, right: float, tread: float, sideways: float = 0.0) -> None:
-        """Take the travel of both wheels, and the travel to the left, into account, in [m].
+        """Add a period's travel of the left and right wheels, and the travel to the left, in [m].
 
         `tread` is the distance between the wheels, in [m].
         """
@@ -46,19 +47,21 @@ class ScanJump:
 
     @property
     def is_doubtful(self) -> bool:
-        """True if the last scans have changed, not yet often enough to show that the base was lifted."""
+        """True if the last scan disagrees with the earlier one, but too few scans did to show that the base
+        was lifted.
+        """
         return self._changes > 0
 
     def take(self, beams: ScanBeams, at_rest: bool, pose: Pose2, slides: bool = False) -> bool:
-        """Take in a scan; return whether it and those before show that the base was lifted.
+        """Compare a scan with the earlier one; return whether the last scans show that the base was lifted.
 
-        If so, all scans are discarded.
+        If they do, all scans are discarded.
 
         Args:
             beams: beams of the scan.
             at_rest: True if the base is at rest: scans are then taken more rarely.
             pose: estimated map_T_base.
-            slides: True if the base may slide: the estimate, which follows its scans, then counts as well.
+            slides: True if the base may slide: the scan is then also compared by the estimated motion.
         """
         before = self._reference
         if before is not None and same_ranges(before.ranges, beams.ranges):

@@ -51,7 +51,7 @@ MAX_SLIDE_M, MAX_SLIDE_RAD = 0.15, 0.3
 
 
 class Contradiction(NamedTuple):
-    """Pose of a base whose wheels contradict its scans."""
+    """Pose of a base by its scans, which contradict the travel of its wheels."""
 
     pose: Pose2
     """map_T_base by the pose at the earlier scan, and the motion that the scans show."""
@@ -60,12 +60,15 @@ class Contradiction(NamedTuple):
 
 
 class WheelCheck:
-    """Test of each scan against two earlier ones, moved as the wheels say.
+    """Detector of wheels that do not move the base as measured, which compares each scan with two earlier
+    ones.
 
-    The later of the two shows at once that the base is held; the earlier one shows wheels that half slip.
+    The earlier scans are moved as the wheels have turned since. The comparison with the later of the two
+    scans shows quickly that the base is held; the comparison with the other one shows wheels that slip
+    partly.
 
     Attributes:
-        is_doubtful: True if the last scan fits better where the base moved less than its wheels say.
+        is_doubtful: True if the last scan fits better where the base moved less than its wheels did.
         is_contradicted: True from the first contradiction until scans and wheels agree again.
     """
 
@@ -95,14 +98,14 @@ class WheelCheck:
             baseline.roll(left, right, sideways)
 
     def note_pose(self, pose: Pose2) -> None:
-        """Take the best estimate of map_T_base in this period, after `take`."""
+        """Set the best estimate of map_T_base in this period; to be called after `take`."""
         for baseline in self._baselines:
             baseline.note_pose(pose)
 
     def take(self, beams: ScanBeams) -> Contradiction | None:
-        """Take in a scan; return where the base is if this scan and an earlier one contradict its wheels.
+        """Compare a scan with the earlier ones; return the base's pose if the scans contradict the wheels.
 
-        None otherwise. After a contradiction, later scans are compared with this one.
+        None if they do not. After a contradiction, later scans are compared with this scan.
         """
         if same_ranges(self._last, beams.ranges):
             return None  # an old scan given again
@@ -126,7 +129,7 @@ class WheelCheck:
         return found
 
     def reset(self) -> None:
-        """Discard all scans so far; the base was moved by others, or its wheels are not compared."""
+        """Discard all scans so far, because the base was not moved by its wheels alone."""
         for baseline in self._baselines:
             baseline.reset()
         self._agreeing = 0
@@ -134,7 +137,7 @@ class WheelCheck:
 
 
 class Baseline:
-    """A scan, and the travel of the wheels since."""
+    """Earlier scan with which later scans are compared, and the travel of the wheels since then."""
 
     def __init__(self, tread: float, errors: OdometryErrors, way: float, turn: float) -> None:
         """Begin without a scan.
@@ -162,25 +165,27 @@ class Baseline:
         self._fastest = np.maximum(self._fastest, _size(step))
 
     def note_pose(self, pose: Pose2) -> None:
-        """Take map_T_base; it is that of the scan while the wheels have not moved since."""
+        """Set the estimated map_T_base; it is kept as the scan's pose as long as the wheels have not moved
+        since.
+        """
         if self._way == 0.0 and self._sideways == 0.0:
             self._then = pose
 
     def begin(self, beams: ScanBeams) -> None:
-        """Replace the scan by a new one, and count the travel from there."""
+        """Replace the scan by a new one, and measure the wheels' travel from this scan on."""
         self._before, self._surface = beams, None
         self._left = self._right = self._sideways = self._way = 0.0
         self._moved, self._fastest = Pose2(0.0, 0.0, 0.0), FASTEST_KEPT * self._fastest
 
     def reset(self) -> None:
-        """Discard the scan."""
+        """Discard the scan, so that the next one is not compared."""
         self._before, self._surface = None, None
 
     def compares(self, beams: ScanBeams) -> bool:
-        """Return whether the wheels moved far enough to compare a scan.
+        """Return whether the wheels have moved far enough since the kept scan to compare a new scan with it.
 
-        Begin with this scan, and return False, if it is the first, or the last one is too old or of other
-        beams.
+        If there is no kept scan, if it is too old, or if it has other beams, the new scan replaces it, and
+        the result is False.
         """
         before = self._before
         old = self._has_moved(MAX_REFERENCE_M, MAX_REFERENCE_RAD)
@@ -191,7 +196,7 @@ class Baseline:
 
     @property
     def is_complete(self) -> bool:
-        """True if the next scan may replace this one."""
+        """True if the wheels have moved so far that the next scan may replace the present one."""
         return self._has_moved(*self._complete)
 
     def _has_moved(self, way: float, turn: float) -> bool:
@@ -199,7 +204,9 @@ class Baseline:
         return rolled > way or abs(self._right - self._left) > turn * self._tread
 
     def fits_elsewhere(self, beams: ScanBeams) -> bool:
-        """Return whether a motion with held wheels explains a scan clearly better than the wheels do."""
+        """Return whether a scan fits clearly better if the base was held, fully or at one wheel, than if it
+        moved as its wheels did.
+        """
         own = self._disagreement(beams, self._moved)
         if own <= CLEAR_DIFFERENCE:
             return False
@@ -221,11 +228,11 @@ class Baseline:
         return float(disagreement_of_ranges(then, pose, beams.origin, beams.angles, beams.ranges))
 
     def contradiction(self, beams: ScanBeams, lag: float) -> Contradiction | None:
-        """Return where a scan shows the base; None if the wheels may be right.
+        """Return the base's pose by a scan if it contradicts the wheels; None if the wheels may be right.
 
         Args:
             beams: beams of the scan.
-            lag: periods by which scans may be older than the wheels' readings.
+            lag: number of periods by which scans may be older than the wheels' readings.
         """
         starts = sorted(self._held(), key=lambda item: self._disagreement(beams, item))
         if self._surface is None:
@@ -283,15 +290,19 @@ def disagreement_of_ranges(
     angles: FloatArray,
     ranges: FloatArray,
 ) -> float:
-    """Return the mean robust difference of two scans of one place, 0 to 1; 0 if too few beams compare.
+    """Return how much two scans of the same surroundings differ, from 0 to 1; 0 if too few beams can be
+    compared.
+
+    It is the mean of a robust function of the ranges' differences.
 
     Args:
         before: origin (2,) in [m], angles (m,) in [rad] and ranges (m,) in [m] of the earlier scan, in the
-            base frame then.
-        moved: pose of the base then, in the base frame now: x, y in [m], heading in [rad].
-        sensor: (2,) origin of the beams in the base frame now, in [m].
-        angles: (n,) of the beams in the base frame now, ascending in even steps, in [rad].
-        ranges: (n,) in [m].
+            base frame at the time of that scan.
+        moved: pose of the base at the earlier scan, in the present base frame: x, y in [m], heading in [rad].
+        sensor: (2,) origin of the beams in the present base frame, in [m].
+        angles: (n,) angles of the present scan's beams in the present base frame, ascending in even steps, in
+            [rad].
+        ranges: (n,) ranges of the present scan, in [m].
     """
     count, step = len(angles), beam_step(angles)
     if step <= 0.0:

@@ -20,7 +20,7 @@ Box = tuple[float, float, float, float, float]
 
 
 class BoxWalls(NamedTuple):
-    """Distances between a map's walls and boxes."""
+    """Result of comparing the walls of a map with boxes that are known to be there."""
 
     cells: FloatArray
     """(n,) distance of each wall cell to the nearest surface of a box, in [m]."""
@@ -35,7 +35,7 @@ def surface_distances(points: FloatArray, boxes: Sequence[Box]) -> FloatArray:
 
     Args:
         points: (n, 2) in the frame of the boxes, in [m].
-        boxes: boxes.
+        boxes: boxes, of which only the outlines seen from above count.
     """
     found = np.full(len(points), np.inf)
     for box in boxes:
@@ -50,7 +50,7 @@ def compare_with_boxes(grid: GridMap, boxes: Sequence[Box], map_T_boxes: Pose2) 
 
     Args:
         grid: the map.
-        boxes: true solids.
+        boxes: solids that are truly there, such as those of the simulated world.
         map_T_boxes: pose of the boxes' frame on the map.
     """
     from scipy.spatial import cKDTree

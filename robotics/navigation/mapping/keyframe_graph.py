@@ -39,11 +39,11 @@ CHI2_LIMIT = 3.0 * SCALING_CHI2
 
 
 def ignore_stage(words: str, share: float) -> None:
-    """Ignore a report of progress: the default listener of the construction of a map."""
+    """Ignore a report on the progress of map building; used if the caller wants no reports."""
 
 
 class KeyframeGraph:
-    """Keyframes, the edges between neighbours and the loop closures found so far."""
+    """Pose graph of a map: keyframes, the edges between neighbours, and the loop closures found so far."""
 
     def __init__(self, frames: list[Keyframe], poses: list[Pose2], edges: list[Edge]) -> None:
         """Begin with one or more keyframes, their poses in the graph's frame, and edges of neighbours."""
@@ -62,16 +62,17 @@ class KeyframeGraph:
 
     @property
     def edges(self) -> list[Edge]:
-        """All edges."""
+        """All edges of the graph: those between neighbouring keyframes, measured poses, and loop closures."""
         return [*self._edges, *self.loop_edges]
 
     def append(self, frame: Keyframe, pose: Pose2, match: LineMatch) -> None:
-        """Add a keyframe at its pose, by its match with those before it; the other poses stay.
+        """Add a keyframe, and an edge by its match with the keyframes before it; the other poses stay
+        unchanged.
 
         Args:
             frame: the keyframe.
-            pose: its pose in the graph's frame.
-            match: its pose in the frame of the keyframe before it, with the information.
+            pose: pose of the keyframe in the graph's frame.
+            match: pose of the keyframe in the frame of the keyframe before it, with the information matrix.
         """
         self._travel = np.append(self._travel, self._travel[-1] + pose.distance(self.poses[-1]))
         self.frames.append(frame)
@@ -81,7 +82,7 @@ class KeyframeGraph:
     def measure(self, number: int, pose: Pose2, information: FloatArray) -> None:
         """Add the measured pose of a keyframe in the graph's frame; poses move only by `optimize`.
 
-        The frame is that of the first keyframe's pose, which stays where it is.
+        The graph's frame is fixed by the first keyframe's pose, which never changes.
 
         Args:
             number: number of the keyframe.
@@ -99,7 +100,11 @@ class KeyframeGraph:
         return Counter(reason for reason in self._last_reason.values() if reason)
 
     def search(self, heard: Heard = ignore_stage, since: int = 0) -> None:
-        """Add loop closures by keyframes from number `since` on and optimize the poses, until none is new."""
+        """Search for loop closures and optimize the poses, until no new closure is found.
+
+        Args: heard: receives the progress. since: number of the first keyframe that is compared with earlier
+        ones.
+        """
         for number in range(MAX_ROUNDS):
             found = list(self._close(_stage(heard, f"closing loops, round {number + 1}"), since))
             self._note(found)
@@ -118,9 +123,9 @@ class KeyframeGraph:
             self.optimize()
 
     def refine(self, heard: Heard = ignore_stage) -> None:
-        """Replace the closures by ones between all keyframes that see the same place, and optimize the poses.
+        """Search again for closures between all keyframes that see the same place, and optimize the poses.
 
-        Nothing changes without a closure.
+        The new closures replace the earlier ones. If there is no closure yet, nothing changes.
         """
         if not self.accepted:
             return

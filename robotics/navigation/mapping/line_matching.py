@@ -31,7 +31,9 @@ DAMPING_INFORMATION = np.diag([1.0, 1.0, 1.0])
 
 
 class LineMatch(NamedTuple):
-    """Pose from which one surface fits another best."""
+    """Pose at which one surface of lidar points fits another best, with its information matrix and
+    quality.
+    """
 
     pose: Pose2
     """reference_T_moved."""
@@ -50,14 +52,15 @@ def match_surfaces(
     prior: FloatArray | None = None,
     gates: tuple[float, ...] = GATES_M,
 ) -> LineMatch:
-    """Return the pose near `start` from which `moved` fits `reference`.
+    """Return the pose near `start` at which the surface `moved` fits the surface `reference` best.
 
     Args:
         reference: surface to fit to.
         moved: surface whose pose in the reference frame is sought.
         start: estimated reference_T_moved.
-        prior: (3, 3) information of `start`, in [1/m²] and [1/rad²], also added to the result; None: none.
-        gates: shrinking distances up to which points find partners, in [m].
+        prior: (3, 3) information matrix of `start`, in [1/m²] and [1/rad²], also added to that of the result;
+            None for an unknown start.
+        gates: decreasing distances, in [m], up to which points of both surfaces are paired.
     """
     trust = np.zeros((3, 3)) if prior is None else prior
     pose, hessian, sigma, inliers = start, np.zeros((3, 3)), MIN_SIGMA_M, 0.0

@@ -42,7 +42,9 @@ TRACKING_GATES_M = (0.3, 0.15, 0.1)
 
 
 class KeyframeView(NamedTuple):
-    """Sensed points around one keyframe, in its frame."""
+    """Points sensed at a keyframe and its neighbours, and a map of the free space, in the keyframe's
+    frame.
+    """
 
     surface: Surface
     sample: Surface
@@ -53,10 +55,11 @@ class KeyframeView(NamedTuple):
     """Occupied where beams ended, and next to it; free where `MIN_PASSES` beams passed."""
 
     def contradictions(self, hits: FloatArray) -> float:
-        """Return the share of points that lie in free space, among those that lie in known cells.
+        """Return the share of points in free space, among the points in known cells; 1 if no point is in a
+        known cell.
 
         Args:
-            hits: (n, 2) in the keyframe's frame, in [m].
+            hits: (n, 2) points in the keyframe's frame, in [m].
         """
         cells = self.grid.to_cell(hits[self.grid.inside(hits)])
         rows, columns = cells[:, 0], cells[:, 1]
@@ -80,7 +83,7 @@ class Loop(NamedTuple):
 
 
 def place_at(keyframes: Sequence[Keyframe], poses: Sequence[Pose2], number: int) -> KeyframeView:
-    """Return the points seen from a keyframe and from those before and after it, in its frame.
+    """Return the points seen from a keyframe and from its neighbours in time, in the keyframe's frame.
 
     Args:
         keyframes: all keyframes, in order of time.
@@ -109,12 +112,14 @@ def close_loop(
     predicted: Pose2,
     covariance: FloatArray,
 ) -> Loop:
-    """Match two places, wherever within three sigmas of the prediction they fit.
+    """Match the views of two keyframes, as a loop closure, within three sigmas of their predicted relative
+    pose.
 
-    The search reaches 0.3 to 8 m and 0.1 to 0.7 rad to either side.
+    The search covers at least 0.3 m and at most 8 m, and at least 0.1 rad and at most 0.7 rad, to either
+    side.
 
     Args:
-        places: of the earlier and the later keyframe.
+        places: views of the earlier and the later keyframe.
         numbers: numbers of the two keyframes.
         predicted: predicted first_T_second.
         covariance: (3, 3) of the prediction, x, y in [m] and heading in [rad], in the frame of the first
@@ -157,7 +162,7 @@ def contradictions(places: tuple[KeyframeView, KeyframeView], pose: Pose2) -> fl
     """Return the larger share, 0 to 1, of points of one place that lie in the other's free space.
 
     Args:
-        places: of the first and the second keyframe.
+        places: views of the first and the second keyframe.
         pose: first_T_second.
     """
     one, other = places
@@ -166,12 +171,12 @@ def contradictions(places: tuple[KeyframeView, KeyframeView], pose: Pose2) -> fl
 
 
 def track_loop(places: tuple[KeyframeView, KeyframeView], numbers: tuple[int, int], predicted: Pose2) -> Loop:
-    """Match two places whose relative pose is nearly known.
+    """Match the views of two keyframes whose relative pose is known approximately, as a loop closure.
 
-    A match that is `APART_M` or `APART_RAD` from the prediction is rejected.
+    A match that differs from the prediction by more than `APART_M` or `APART_RAD` is rejected.
 
     Args:
-        places: of the earlier and the later keyframe.
+        places: views of the earlier and the later keyframe.
         numbers: numbers of the two keyframes.
         predicted: predicted first_T_second.
     """

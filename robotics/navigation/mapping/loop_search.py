@@ -45,15 +45,16 @@ def candidates(
     view: float = VIEW_M,
     most: int = MAX_CANDIDATES,
 ) -> list[Candidate]:
-    """Return the earlier keyframes at which a keyframe may be, the nearest of each pass, nearest first.
+    """Return the earlier keyframes at whose place a keyframe may be, nearest first.
 
-    Only keyframes at least `MIN_TRAVEL_M` of way before it count.
+    If successive keyframes are near enough, only the nearest of them is returned. At least `MIN_TRAVEL_M` of
+    way lie between an earlier keyframe and the later one.
 
     Args:
         poses: (n, 3) map_T_base of the keyframes: x, y in [m], heading in [rad].
-        travel: (n,) length of the way up to each, in [m].
+        travel: (n,) length of the way up to each keyframe, in [m].
         second: number of the later keyframe.
-        sigmas: (n,) standard deviation of its position relative to each, in [m].
+        sigmas: (n,) standard deviation of its position relative to each keyframe, in [m].
         view: distance at which two keyframes see the same place, in [m].
         most: maximum number of candidates.
     """
@@ -77,11 +78,12 @@ def _runs(flags: BoolArray) -> Iterator[IntArray]:
 
 
 def supported(loops: Sequence[Loop], poses: Sequence[Pose2]) -> list[bool]:
-    """Return whether each closure agrees with another one nearby, between other keyframes.
+    """Return for each loop closure whether another closure, with another later keyframe nearby, agrees with
+    it.
 
     Args:
         loops: closures with a match.
-        poses: poses of all keyframes in one frame; right between neighbours.
+        poses: poses of all keyframes in one frame; exact only between neighbouring keyframes.
     """
     return [
         any(_agree(loop, other, poses) for other in loops if other.second != loop.second) for loop in loops

@@ -41,12 +41,12 @@ class BuiltMap(NamedTuple):
 
 
 def build_map(log: ScanLog, resolution: float, heard: Heard = ignore_stage) -> BuiltMap:
-    """Build the map of a log.
+    """Build a map from a log of scans and odometry.
 
     Args:
         log: scans and odometry.
         resolution: side of a cell, in [m].
-        heard: receives what is being done, and its finished share, 0 to 1.
+        heard: receives the name of the present stage, and its finished share, 0 to 1.
 
     Raises:
         MapTooLarge: the map would have too many cells.
@@ -65,13 +65,13 @@ def build_map(log: ScanLog, resolution: float, heard: Heard = ignore_stage) -> B
 def built_of(
     graph: KeyframeGraph, rows: list[int], blind: int, before: list[Pose2], resolution: float
 ) -> BuiltMap:
-    """Draw the map of a graph.
+    """Return the map drawn from the keyframes of a graph, with the graph's results.
 
     Args:
         graph: keyframes with their poses.
-        rows: row of the log of each keyframe.
+        rows: number of each keyframe's row in the log.
         blind: number of motions that only the odometry measured.
-        before: map_T_base of each keyframe without loop closures.
+        before: map_T_base of each keyframe before the loop closures moved it.
         resolution: side of a cell, in [m].
 
     Raises:

@@ -27,7 +27,9 @@ SAME_WALL_M = 0.25
 
 
 class MapComparison(NamedTuple):
-    """Result of comparing two maps."""
+    """Result of comparing the walls of two maps: how the maps are aligned, and the distances between their
+    walls.
+    """
 
     first_T_second: Pose2
     """Pose of the second map's frame in the frame of the first."""
@@ -41,8 +43,13 @@ class MapComparison(NamedTuple):
     """
 
     def figures(self, distances: FarArray) -> tuple[float, float, float]:
-        """Return median and 95 % quantile of the distances (n,) of common walls, in [m], and the share of
+        """Return median and 95 % quantile of the distances of walls on both maps, in [m], and the share of
         missing walls.
+
+        A wall cell is on both maps if its distance is at most `SAME_WALL_M`; other cells are missing from the
+        other map.
+
+        Args: distances: (n,) `first` or `second`.
         """
         known = distances[np.isfinite(distances)]
         near = known[known <= SAME_WALL_M]
@@ -52,18 +59,21 @@ class MapComparison(NamedTuple):
 
 
 def wall_points(grid: GridMap) -> FloatArray:
-    """Return the centres (n, 2) of occupied cells next to one that is not, on the map, in [m]."""
+    """Return the centres (n, 2), on the map in [m], of occupied cells that have a neighbour that is not
+    occupied.
+    """
     solid = grid.occupied.astype(np.uint8)
     inner = cv2.erode(solid, np.ones((3, 3), np.uint8), borderType=cv2.BORDER_CONSTANT, borderValue=1)
     return grid.to_point(np.argwhere(grid.occupied & (inner == 0)))
 
 
 def compare_maps(first: GridMap, second: GridMap, alignment: Pose2 | None = None) -> MapComparison:
-    """Return how two maps fit; the second is moved to where it fits best, unless the alignment is given.
+    """Compare the walls of two maps; the second map is moved to where it fits best, unless the alignment is
+    given.
 
     Args:
         first: a map with walls.
-        second: another one.
+        second: another map.
         alignment: first_T_second; sought if None.
     """
     one, other = wall_points(first), wall_points(second)

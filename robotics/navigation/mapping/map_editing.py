@@ -27,7 +27,7 @@ STRAIGHTENING_STEPS_RAD = (math.radians(0.5), math.radians(0.1), math.radians(0.
 
 
 class NothingLeft(ValueError):
-    """Error: an edit would leave no cell of a map."""
+    """Error of an edit that would leave no cell of a map."""
 
 
 def crop_to(grid: GridMap, low: tuple[float, float], high: tuple[float, float]) -> GridMap:
@@ -52,10 +52,10 @@ def crop_to(grid: GridMap, low: tuple[float, float], high: tuple[float, float]) 
 
 
 def crop_to_known(grid: GridMap) -> GridMap:
-    """Return a map without its unknown edges.
+    """Return the smallest rectangle of a map that contains all known cells.
 
     Raises:
-        NothingLeft: nothing is known.
+        NothingLeft: all cells are unknown.
     """
     known = np.argwhere(~grid.unknown)
     if not len(known):
@@ -72,7 +72,9 @@ def _part(grid: GridMap, first: IntArray, last: IntArray) -> GridMap:
 
 
 def turn(grid: GridMap, angle: float) -> GridMap:
-    """Return a map turned anticlockwise by an angle in [rad] about its frame's origin, cells along the axes.
+    """Return a map turned anticlockwise by an angle, in [rad], about the origin of its frame.
+
+    The cells of the result are again along the axes.
 
     Raises:
         TooManyCells: the turned map would be too large.
@@ -86,8 +88,8 @@ def turn(grid: GridMap, angle: float) -> GridMap:
 def straightening_angle(grid: GridMap) -> float:
     """Return the smallest turn in [rad], anticlockwise positive, after which most walls lie along x and y.
 
-    At the right turn most occupied cells are in few rows and columns: the sum of the squared counts of all
-    rows and columns is largest.
+    After this turn the occupied cells are in as few rows and columns as possible: the sum of the squared
+    numbers of occupied cells, over all rows and columns, is largest.
     """
     points = grid.to_point(np.argwhere(grid.occupied))
     points = points[:: max(1, len(points) // MAX_WALL_POINTS)]
@@ -108,12 +110,12 @@ def _crowding(points: FloatArray, angle: float, width: float) -> float:
 
 
 def paint_zone(zones: GridMap, corners: Sequence[tuple[float, float]], is_barred: bool) -> GridMap:
-    """Return zones with one more polygon in them, or without what a polygon covers.
+    """Return a map of barred zones to which a polygon was added, or from which it was removed.
 
     Args:
         zones: map whose occupied cells are zones.
         corners: x and y on the map of the polygon's corners, in order, in [m].
-        is_barred: whether the polygon is a zone or takes zones away.
+        is_barred: True to add the polygon as a zone; False to remove the zones that it covers.
     """
     scaled = (np.array(corners) - (zones.origin_x, zones.origin_y)) / zones.resolution - 0.5
     picture = np.zeros(zones.occupied.shape, np.uint8)

@@ -30,7 +30,7 @@ COLUMNS_AT_ONCE = 300
 
 
 class Edge(NamedTuple):
-    """Measured pose of one node in the frame of another."""
+    """Edge of a pose graph: the measured pose of one node, such as a keyframe, in the frame of another."""
 
     first: int
     """Number of the node in whose frame the other one was measured."""
@@ -55,12 +55,13 @@ class _Edges(NamedTuple):
 
 
 def optimize(poses: FloatArray, edges: list[Edge], robust: bool = True) -> FloatArray:
-    """Return the likeliest poses (n, 3) of the nodes; the first stays where it is.
+    """Return the most likely poses (n, 3) of a graph's nodes, given its edges; the first pose stays
+    unchanged.
 
     Args:
-        poses: (n, 3) x, y in [m], heading in [rad], near the solution.
+        poses: (n, 3) x, y in [m], heading in [rad], of each node, near the solution.
         edges: measured relative poses; each node is reached from the first one.
-        robust: reduce the weight of loop closures that contradict the rest.
+        robust: True to reduce the weight of loop closures that contradict the other edges.
     """
     table = _arrays(edges)
     for limit in GRADUATED_CHI2 if robust else (math.inf,):
@@ -92,7 +93,8 @@ def _descend(poses: FloatArray, table: _Edges, limit: float) -> FloatArray:
 
 
 def edge_errors(poses: FloatArray, edges: list[Edge]) -> FloatArray:
-    """Return the squared error (m,) of each edge, in sigmas.
+    """Return the squared error (m,) of each edge of a pose graph, as a squared Mahalanobis distance, without
+    unit.
 
     Args:
         poses: (n, 3) x, y in [m], heading in [rad].
@@ -131,7 +133,7 @@ def covariances(poses: FloatArray, edges: list[Edge]) -> FloatArray:
 def factorized(poses: FloatArray, edges: list[Edge]) -> Any:
     """Return the factorized information matrix (3n, 3n), in [1/m²] and [1/rad²].
 
-    Its `solve` returns columns of the covariance.
+    The `solve` method of the result returns columns of the covariance.
 
     Args:
         poses: (n, 3) x, y in [m], heading in [rad].
@@ -148,7 +150,7 @@ def relative_covariances(factor: Any, poses: FloatArray, node: int, diagonal: Fl
     Rows are x, y in [m] and heading in [rad].
 
     Args:
-        factor: factorized information matrix (3n, 3n) of all poses, of `factorized`.
+        factor: factorized information matrix (3n, 3n) of all poses, returned by `factorized`.
         poses: (n, 3) of the nodes: x, y in [m], heading in [rad].
         node: number of the node that the others are relative to.
         diagonal: (n, 3, 3) covariance of each pose relative to the first one.

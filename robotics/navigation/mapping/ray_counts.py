@@ -25,11 +25,13 @@ MAX_CELLS = 100_000_000
 
 
 class MapTooLarge(ValueError):
-    """The map would have more cells than memory allows."""
+    """Error of a map that would have more cells than memory allows."""
 
 
 class RayCounts(NamedTuple):
-    """Counts of beams in each cell; row 0 has the lowest y."""
+    """Numbers of lidar beams that ended in, and passed through, each cell of a map; row 0 has the
+    lowest y.
+    """
 
     hits: Int32Array
     """(h, w) beams that ended in each cell."""
@@ -42,7 +44,7 @@ class RayCounts(NamedTuple):
 
     @property
     def grid(self) -> GridMap:
-        """Occupied, free and unknown cells."""
+        """Map of occupied, free and unknown cells that follows from the counts."""
         seen = self.hits + self.passes
         occupied = (self.hits >= MIN_HITS) & (self.hits >= MIN_HIT_SHARE * seen)
         free = ~occupied & (self.passes >= MIN_PASSES)
@@ -50,11 +52,13 @@ class RayCounts(NamedTuple):
 
 
 def count_rays(keyframes: Sequence[Keyframe], poses: Sequence[Pose2], resolution: float) -> RayCounts:
-    """Count the beams of keyframes at their poses in a grid that holds all that they hit.
+    """Count in each cell of a grid how many beams of keyframes ended in it or passed through it.
+
+    The grid contains all points where beams ended.
 
     Args:
-        keyframes: scans.
-        poses: map_T_base of each.
+        keyframes: keyframes, each with its scan.
+        poses: map_T_base of each keyframe.
         resolution: side of a cell, in [m].
 
     Raises:

@@ -36,12 +36,13 @@ ODOMETRY_SIGMAS = ((0.02, 0.1, 0.05), (0.01, 0.02, 0.1))
 
 
 def odometry_information(moved: Pose2) -> FloatArray:
-    """Return the information (3, 3) of a motion measured by uncalibrated wheels, in [1/m²] and [1/rad²].
+    """Return the information matrix (3, 3) of a motion measured by uncalibrated wheels, in [1/m²] and
+    [1/rad²].
 
     Rows are x, y and heading, in the base frame before the motion.
 
     Args:
-        moved: pose after the motion in the pose before it.
+        moved: pose of the base after the motion, in the base frame before the motion.
     """
     travel, turn = float(np.hypot(moved.x, moved.y)), abs(moved.theta)
     place, heading = (rest + metre * travel + radian * turn for rest, metre, radian in ODOMETRY_SIGMAS)
@@ -51,12 +52,14 @@ def odometry_information(moved: Pose2) -> FloatArray:
 def chain(
     keyframes: Sequence[Keyframe], heard: Callable[[float], None] = lambda share: None
 ) -> tuple[list[Pose2], list[Edge], int]:
-    """Return the pose of each keyframe, the edges between neighbours, and how many have only odometry.
+    """Match each keyframe with those before it; return all poses, the edges between neighbours, and a number.
+
+    The number is that of motions for which the scans did not fit, so that only odometry measured them.
 
     Poses are in the base frame of the first keyframe.
 
     Args:
-        keyframes: in order of time.
+        keyframes: keyframes in order of time.
         heard: receives the finished share, 0 to 1.
     """
     poses, edges, blind = [Pose2(0.0, 0.0, 0.0)], list[Edge](), 0
@@ -74,15 +77,16 @@ def chain(
 
 
 def chain_edges(poses: Sequence[Pose2], match: LineMatch, points: int) -> list[Edge]:
-    """Return the edges of the last keyframe, which was matched with those before it together.
+    """Return the edges of the last keyframe, which was matched with several earlier keyframes at once.
 
-    It is measured against all of them: its error is that of one match, and does not add to the errors of the
-    matches before. So several edges share the information of the match, more in dense scans. A motion by
-    odometry alone is measured from the last keyframe.
+    Each edge leads to one of these keyframes, more of them for dense scans, and all edges share the
+    information of the match. So the error of the last pose is that of a single match, and does not add to the
+    errors of earlier matches. If only odometry measured the motion, the one edge leads to the keyframe
+    before.
 
     Args:
         poses: poses of the keyframes in order, in one frame; that of the last one as the match found it.
-        match: match of the last keyframe; its pose is in the frame of the one before.
+        match: match of the last keyframe; its pose is in the frame of the keyframe before.
         points: number of the keyframe's points on surfaces.
     """
     last = len(poses) - 1
@@ -99,13 +103,14 @@ def chain_edges(poses: Sequence[Pose2], match: LineMatch, points: int) -> list[E
 
 
 def matched_motion(reference: Surface, surface: Surface, moved: Pose2) -> LineMatch:
-    """Return the motion by scans and odometry; by odometry alone if the scans do not fit.
+    """Return the motion between two keyframes by scans and odometry; by odometry alone if the scans do not
+    fit.
 
-    Motions up to `SEARCH_M` and `SEARCH_RAD` from the odometry's are looked for.
+    Motions that differ from the odometry by up to `SEARCH_M` and `SEARCH_RAD` are searched.
 
     Args:
         reference: surfaces of earlier keyframes, in the base frame before the motion.
-        surface: surface of the scan after it, in the base frame then.
+        surface: surface of the scan after the motion, in the base frame after it.
         moved: motion by odometry, base_T_base from before to after.
     """
     prior = odometry_information(moved)

@@ -18,7 +18,7 @@ KEYFRAME_TURN_RAD = 0.2
 
 
 class ScanLog(NamedTuple):
-    """Scans of one lidar, and the odometry at the time of each, in order of time."""
+    """Log of a drive: scans of one lidar in order of time, and the odometry at the time of each scan."""
 
     times: FloatArray
     """(n,) in [s], increasing."""
@@ -42,7 +42,7 @@ class ScanLog(NamedTuple):
 
 
 class Keyframe(NamedTuple):
-    """A scan that takes part in the map; all points are in the base frame."""
+    """Scan from which a map is built, with the odometry; all points are in the base frame at the scan."""
 
     row: int
     """Row of the log."""
@@ -59,7 +59,9 @@ class Keyframe(NamedTuple):
 
 
 def keyframe_rows(log: ScanLog) -> list[int]:
-    """Return the rows at which the base has moved enough for a keyframe, the first and last included."""
+    """Return the rows of a log at which the base has moved enough for a new keyframe, first and last row
+    included.
+    """
     rows, last = [0], Pose2(*log.odometry[0])
     for row, pose in enumerate(map(Pose2._make, log.odometry.tolist())):
         if pose.distance(last) >= KEYFRAME_TRAVEL_M or pose.turn(last) >= KEYFRAME_TURN_RAD:
@@ -79,13 +81,13 @@ def keyframe(log: ScanLog, row: int) -> Keyframe:
 def keyframe_of(
     row: int, odometry: Pose2, beams: tuple[FloatArray, FloatArray], mount: Pose2, reach: float
 ) -> Keyframe:
-    """Return a scan as a keyframe.
+    """Return a keyframe made of a scan and the odometry at its time.
 
     Args:
         row: row of the scan in the log.
         odometry: odom_T_base.
-        beams: angles (b,) in the sensor frame in [rad], and ranges (b,) in [m], infinity
-            where nothing is within the reach, NaN where nothing is known.
+        beams: angles (b,) in the sensor frame in [rad], and ranges (b,) in [m], infinity for a beam without
+            an obstacle within the reach, NaN for an invalid beam.
         mount: base_T_sensor.
         reach: maximum range, in [m].
     """

@@ -24,7 +24,9 @@ MAX_FLATNESS = 0.1
 
 
 class Surface:
-    """Points on surfaces, each with the surface's normal, which points to the side that was seen."""
+    """Points on flat surfaces in a lidar scan, each with the surface's normal towards the side that was
+    seen.
+    """
 
     def __init__(self, points: FloatArray, normals: FloatArray) -> None:
         """Store points and normals.
@@ -43,17 +45,17 @@ class Surface:
         return cKDTree(self.points)
 
     def moved(self, pose: Pose2) -> Surface:
-        """Return the surface, given in the frame of `pose`, in the parent frame of `pose`."""
+        """Transform the surface from the frame of `pose` into the frame in which `pose` is given."""
         return Surface(pose.apply(self.points), Pose2(0.0, 0.0, pose.theta).apply(self.normals))
 
     def thinned(self, most: int) -> Surface:
-        """Return about `most` of the points, evenly from all."""
+        """Return the surface with at most `most` of its points, chosen at equal intervals."""
         stride = max(1, math.ceil(len(self.points) / most))
         return Surface(self.points[::stride], self.normals[::stride])
 
 
 def merge_surfaces(surfaces: Sequence[Surface]) -> Surface:
-    """Return one surface with the points of all."""
+    """Return one surface with the points of all given surfaces."""
     return Surface(
         np.concatenate([surface.points for surface in surfaces]),
         np.concatenate([surface.normals for surface in surfaces]),

@@ -26,7 +26,7 @@ APART_RAD = math.radians(8.0)
 
 
 class Hypothesis(NamedTuple):
-    """A pose and its score."""
+    """Candidate of a search: a pose, and how well points fit a surface at it."""
 
     pose: Pose2
     score: float
@@ -36,12 +36,15 @@ class Hypothesis(NamedTuple):
 def search_window(
     surface_points: FloatArray, points: FloatArray, centre: Pose2, reach: float, reach_turn: float
 ) -> list[Hypothesis]:
-    """Return up to five poses of a window, the best first, each `APART_M` or `APART_RAD` from the others.
+    """Search poses near an expected pose at which points fit a surface; return up to five, the best first.
+
+    They differ from each other by more than `APART_M` or `APART_RAD`.
 
     Args:
-        surface_points: (n, 2) of the reference, in its frame, in [m].
-        points: (m, 2) in the moved frame, in [m].
-        centre: reference_T_moved in the middle of the window, whose sides are along the reference axes.
+        surface_points: (n, 2) points of the surface, in the reference frame, in [m].
+        points: (m, 2) points to fit, in their own frame `moved`, in [m].
+        centre: expected reference_T_moved, in the middle of the searched window; the window's sides are along
+            the reference axes.
         reach: half side of the window, in [m].
         reach_turn: largest turn from `centre` to either side, in [rad].
     """

@@ -27,7 +27,7 @@ TOUCHING_CELLS = 1e-6  # [cells]: nearer than this, a line touches a square
 
 
 class BlockedSquares(NamedTuple):
-    """Blocked squares of a map, as tables for distance queries. Everything beyond the map is blocked.
+    """Tables of a map's blocked cells, for fast distance queries; everything beyond the map is blocked.
 
     All three arrays are one cell larger than the map on every side.
     """
@@ -193,7 +193,7 @@ def _stretch_clearance(
 def line_clearance(
     squares: BlockedSquares, start: FloatArray, end: FloatArray, limit: float, enough: float
 ) -> float:
-    """Return the least distance of a straight line to any blocked square, in [cells]; -1 through a square.
+    """Return the least distance of a straight line to blocked squares, in [cells]; -1 if it crosses one.
 
     The line is followed from cell to cell (Amanatides and Woo, 1987). The distance is exact.
 
@@ -201,7 +201,7 @@ def line_clearance(
         squares: blocked squares of the map.
         start: (2,) row and column on the map, in [cells], cell centres at whole numbers.
         end: (2,) row and column, in [cells].
-        limit: clearance above which none is looked for, in [cells].
+        limit: largest result, in [cells]; greater clearances are not measured.
         enough: clearance below which -1 is returned as soon as that is sure, in [cells].
     """
     row0, column0, row1, column1 = start[0] + 1.0, start[1] + 1.0, end[0] + 1.0, end[1] + 1.0
@@ -251,10 +251,10 @@ def is_clear(squares: BlockedSquares, start: FloatArray, end: FloatArray, need: 
 
 @compiled
 def path_clearance(squares: BlockedSquares, path: FloatArray) -> FloatArray:
-    """Return the least distance (n,) to blocked squares along the stretches that meet at each point of a
-    path.
+    """Return for each point of a path the least distance to blocked squares on the segments that end at the
+    point.
 
-    So whatever is interpolated between two points, no spot there is nearer to a blocked square.
+    So the distance is also valid for all points between this point and its neighbours.
 
     Args:
         squares: blocked squares of the map.

@@ -16,11 +16,13 @@ SPACING_M = 0.05  # between points
 
 
 def bump_fronts(bumps: FloatArray, radius: float, half_angle_deg: float = GUARDED_ANGLE_DEG) -> FloatArray:
-    """Return points on the outline of a base where something stopped it.
+    """Return points on the outline of a base that may have touched an obstacle when the base was stopped.
+
+    These are the points in the direction of the motion, within a sector.
 
     Args:
         bumps: (n, 3) x, y on the map in [m], and direction of the motion on the map in [rad].
-        radius: of the base's footprint, in [m].
+        radius: radius of the base's footprint, in [m].
         half_angle_deg: half of the sector about the direction of the motion, in [deg].
 
     Returns:
@@ -30,7 +32,7 @@ def bump_fronts(bumps: FloatArray, radius: float, half_angle_deg: float = GUARDE
 
 
 def leading_points(outlines: Sequence[FloatArray], forwards: bool) -> FloatArray:
-    """Return the half of each body's points that leads as the base drives.
+    """Return the points in the front half of each body, as seen in the direction in which the base drives.
 
     Args:
         outlines: (k, 2) points of each body in the base frame, in [m].

@@ -14,7 +14,7 @@ from handcart.robotics.numerics.compiled import compiled
 
 
 class Nearest(NamedTuple):
-    """The nearest solid cell to a point."""
+    """Nearest solid cell of a map to a point: its distance, and its nearest spot."""
 
     distance: float
     """Distance to the cell's square in [m]; 0 inside of the cell, inf if the map is empty."""
@@ -23,9 +23,9 @@ class Nearest(NamedTuple):
 
 
 class Clearances:
-    """Distances of points from the solid cells of a map; a cell is a square, all of it solid.
+    """Distance queries for points on a map: how far is the nearest solid cell, which is a solid square.
 
-    Beyond the map there is nothing, or all is solid (`walled`).
+    Beyond the map nothing is solid, unless it is `walled`.
     """
 
     def __init__(self, grid: GridMap, solid: BoolArray | None = None, walled: bool = False) -> None:
@@ -84,10 +84,10 @@ class Clearances:
 def nearest_square(
     solid: BoolArray, between_centres: SingleArray, x: float, y: float
 ) -> tuple[float, float, float]:
-    """Return the distance of a point to the nearest solid cell's square, and the nearest spot's x and y.
+    """Return the distance of a point to the nearest solid cell, and x and y of the nearest spot of that cell.
 
-    Rings of cells are looked at from the inside out, beginning where `between_centres` says that the first
-    solid one can be. All results are in [cells]; x and y are NaN if no cell is solid.
+    Cells are square. They are searched in rings around the point, beginning at the least distance that
+    `between_centres` allows. All results are in [cells]; x and y are NaN if no cell is solid.
 
     Args:
         solid: (h, w) True for solid cells.

@@ -16,7 +16,7 @@ CELLS_PER_STEP = 32
 
 
 class ExpectedEchoes(NamedTuple):
-    """Expected echo of each beam of a scan."""
+    """Expected echoes of a scan's beams by a map: the first occupied cell on each beam, and its range."""
 
     met: BoolArray
     """(n,) whether it meets an occupied cell of the map within reach."""
@@ -27,12 +27,12 @@ class ExpectedEchoes(NamedTuple):
 
 
 def expected_echoes(grid: GridMap, map_T_sensor: Pose2, angles: FloatArray, reach: float) -> ExpectedEchoes:
-    """Return what beams should show by the map.
+    """Return the first occupied cell of the map that each beam should meet, and its range.
 
     Args:
-        grid: the map. Unknown cells, and what lies beyond the map, hide nothing.
+        grid: the map; beams pass through unknown cells, and end nowhere beyond the map.
         map_T_sensor: pose of the lidar.
-        angles: (n,) of the beams in the sensor frame, in [rad].
+        angles: (n,) angles of the beams in the sensor frame, in [rad].
         reach: range up to which the beams are followed, in [m].
     """
     along = np.arange(grid.resolution, reach, grid.resolution) / grid.resolution

@@ -20,7 +20,10 @@ UNKNOWN_GREY = 205  # value that map_saver writes for unmeasured cells
 
 
 class GridMap(NamedTuple):
-    """Occupied and unknown cells of a map. Row 0 has the lowest y; a cell is read at its centre."""
+    """Occupancy grid map with occupied, unknown and free cells; row 0 has the lowest y.
+
+    A point is looked up in the cell that contains it.
+    """
 
     occupied: BoolArray
     """(h, w), row by column."""
@@ -40,7 +43,8 @@ class GridMap(NamedTuple):
         return self.occupied | self.unknown
 
     def to_cell(self, points: FloatArray) -> IntArray:
-        """Return the cells (n, 2), row and column, of points; of points off the map too.
+        """Return the cells (n, 2), row and column, in which points are; for points off the map they are out
+        of range.
 
         Args:
             points: (n, 2) in the map frame, in [m].
@@ -60,7 +64,7 @@ class GridMap(NamedTuple):
         return points
 
     def inside(self, points: FloatArray) -> BoolArray:
-        """Return a mask (n,): which points lie on the map.
+        """Return a mask (n,), True for points that lie on the map.
 
         Args:
             points: (n, 2) in the map frame, in [m].
@@ -72,12 +76,12 @@ class GridMap(NamedTuple):
     def with_points(self, points: FloatArray, radius: float = 0.0) -> GridMap:
         """Return this map with each sensed point as an obstacle.
 
-        Cells whose centre is within `radius` of a point become occupied, and always its own cell. Points
-        outside the map are ignored.
+        The cell of each point becomes occupied, and all cells whose centre is within `radius` of that cell's
+        centre. Points outside the map are ignored.
 
         Args:
             points: (n, 2) in the map frame, in [m].
-            radius: in [m].
+            radius: radius around each point's cell that becomes occupied, in [m].
         """
         cells = self.to_cell(points[self.inside(points)] if len(points) else np.empty((0, 2)))
         if len(cells) == 0:
