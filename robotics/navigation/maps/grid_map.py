@@ -113,7 +113,7 @@ def from_ros(
     free_thresh: float,
     negate: bool = False,
 ) -> GridMap:
-    """Return a map from a ROS map picture by nav2's trinary rule.
+    """Return a map from a ROS map picture, with nav2's mode `trinary`: cells are occupied, free or unknown.
 
     Args:
         image: (h, w) grey, from 0 to 255, row 0 on top, as in the file.
@@ -128,7 +128,9 @@ def from_ros(
 
 
 def unknown_read_as_free(image: ByteArray, free_thresh: float, negate: bool = False) -> int:
-    """Return how many cells with grey 205 (nothing was measured there) a threshold turns into free ones.
+    """Return how many cells of a ROS map picture are meant as unknown but are free by the given threshold.
+
+    Unknown cells have grey 205.
 
     Args:
         image: (h, w) grey, from 0 to 255.
@@ -159,11 +161,11 @@ def from_boxes(
 ) -> GridMap:
     """Return a map on which every cell that a box overlaps is occupied and all others are free.
 
-    Overlap, not "centre inside": a surface then lies in its cell, on average at its centre, which is where
-    scan matching and planning read it.
+    A box overlaps a cell even if the cell's centre is outside the box. So the box's surface is inside an
+    occupied cell, on average at its centre, where scan matching and planning assume surfaces.
 
     Args:
-        boxes: (x, y, yaw, length, width) each, in [m] and [rad].
+        boxes: centre x and y, yaw, length and width of each box, in [m] and [rad].
         resolution: side of a cell, in [m].
         origin: lower-left corner of the map, in [m].
         size: width along x and height along y of the map, in [m]; rounded up to whole cells.
@@ -194,8 +196,9 @@ def _draw(grid: GridMap, box: FloorBox) -> None:
 
 
 def occupancy_of_levels(negate: bool) -> FloatArray:
-    """Return the occupancy (256,), from 0 to 1 without unit, of each grey level; dark is occupied, unless
-    `negate`.
+    """Return the occupancy (256,), from 0 to 1, of each grey level of a map picture.
+
+    Dark is occupied, or free if `negate` is True.
     """
     level = np.arange(256) / 255.0
     return level if negate else 1.0 - level
@@ -209,18 +212,22 @@ def ros_occupancy(
     negate: bool = False,
     opaque: BoolArray | None = None,
 ) -> Int8Array:
-    """Return the occupancy (h, w) in percent, -1 for unknown, row 0 at the bottom: an OccupancyGrid's data.
+    """Return the occupancy (h, w) of a map picture in percent, as the data of a ROS OccupancyGrid.
 
-    After nav2_map_server/src/map_io.cpp: `trinary` knows 0, 100 and unknown; `scale` also what lies
-    between the thresholds; `raw` takes levels of 0 to 100 as they are, and others for unknown.
+    Unknown cells are -1; row 0 is at the bottom.
+
+    The modes are those of nav2_map_server/src/map_io.cpp. `trinary` gives 0, 100 or unknown. `scale` also
+    gives values between, for occupancies between the thresholds. `raw` copies grey levels of 0 to 100; others
+    are unknown.
 
     Args:
         image: (h, w) grey, from 0 to 255, row 0 on top, as in the file.
-        mode: one of the three.
+        mode: `trinary`, `scale` or `raw`.
         occupied_thresh: occupancy from which on a cell is occupied, 0 to 1.
         free_thresh: occupancy up to which a cell is free, 0 to 1.
         negate: True if dark means free.
-        opaque: (h, w); transparent cells are unknown, except in mode `raw`. None: all are opaque.
+        opaque: (h, w) True for opaque pixels; transparent ones are unknown, except in mode `raw`. None: all
+            are opaque.
     """
     if mode == "raw":
         levels = np.arange(256)

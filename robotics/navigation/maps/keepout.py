@@ -9,12 +9,13 @@ from handcart.robotics.numerics.arrays import BoolArray, IntArray
 
 
 def with_keepout(grid: GridMap, zones: GridMap) -> GridMap:
-    """Return a map on which the cells that a zone touches are unknown: routes avoid them, scans see no wall
-    there.
+    """Return a map on which the cells that a keepout zone touches are unknown.
+
+    Routes avoid unknown cells, and scans are not matched with them as walls.
 
     Args:
         grid: the map.
-        zones: map whose occupied cells are zones; its cell size and origin may differ from those of
+        zones: map whose occupied cells are keepout zones; its cell size and origin may differ from those of
             `grid`.
     """
     barred = keepout_cells(grid, zones)
@@ -22,12 +23,13 @@ def with_keepout(grid: GridMap, zones: GridMap) -> GridMap:
 
 
 def keepout_cells(grid: GridMap, zones: GridMap) -> BoolArray:
-    """Return a mask (h, w) of the cells of `grid` that a zone touches.
+    """Return a mask (h, w), True for cells of `grid` that a keepout zone touches.
 
-    A cell counts if its centre lies in a zone, or if it holds the centre of a zone's cell.
+    A zone touches a cell if the cell's centre is in the zone, or if the cell contains the centre of a cell of
+    the zone.
 
     Args:
-        grid: map whose cells are asked for.
+        grid: map of whose cells the mask is made.
         zones: map in the same frame, whose occupied cells are the zones.
     """
     height, width = grid.occupied.shape

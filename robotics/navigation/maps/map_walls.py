@@ -20,10 +20,10 @@ def map_walls(grid: GridMap) -> FloatArray:
     """Return rectangles (n, 5) for the occupied cells: x, y, yaw, length and width on the map, in [m] and
     [rad].
 
-    Surfaces are at the centres of the outermost occupied cells, where scan matching and planning read
-    them: rectangles of complete cells would be half a cell nearer on every side. A line of cells one cell
-    wide becomes a thin wall along the cells' centres. Occupied cells that touch, at a corner too, are
-    joined: nothing passes or looks through where free cells don't share a side.
+    The rectangles end at the centres of the outermost occupied cells, where scan matching and planning assume
+    surfaces. Rectangles of complete cells would be half a cell larger on every side. A line of cells one cell
+    wide becomes a thin wall along the cells' centres. Occupied cells that touch, also at a corner only, are
+    joined, so that neither a robot nor a beam passes between them.
     """
     cells = np.pad(grid.occupied, 1)
     a, b, c, d = cells[:-1, :-1], cells[:-1, 1:], cells[1:, :-1], cells[1:, 1:]

@@ -15,7 +15,7 @@ def window_around(grid: GridMap, x: float, y: float, half: float) -> GridMap:
         grid: the map.
         x: x of the square's centre on the map, in [m].
         y: y of the square's centre on the map, in [m].
-        half: half of its side, in [m].
+        half: half of the square's side, in [m].
     """
     corners = grid.to_cell(np.array([[x - half, y - half], [x + half, y + half]]))
     low = np.clip(corners[0], 0, np.array(grid.occupied.shape) - 1)
@@ -28,7 +28,9 @@ def window_around(grid: GridMap, x: float, y: float, half: float) -> GridMap:
 
 
 def coarsened(grid: GridMap, factor: int) -> GridMap:
-    """Return a map whose cells are `factor` times as wide: occupied or unknown where any of theirs is.
+    """Return a map with cells that are `factor` times as wide.
+
+    A wide cell is occupied if any of the cells in it is, and otherwise unknown if any of them is.
 
     Cells beyond the map's upper and right border count as unknown.
     """
@@ -53,7 +55,9 @@ def _any_of(cells: BoolArray, factor: int, beyond: bool) -> BoolArray:
 
 
 def with_cells_at(grid: GridMap, points: FloatArray) -> GridMap:
-    """Return a map on which the cells of points (n, 2) on it, in [m], are occupied; others are as before."""
+    """Return a map on which the cells that contain given points (n, 2), in [m], are occupied; others stay
+    unchanged.
+    """
     if not len(points):
         return grid
     rows, columns = grid.to_cell(points[grid.inside(points)]).T
@@ -63,7 +67,7 @@ def with_cells_at(grid: GridMap, points: FloatArray) -> GridMap:
 
 
 def is_within(grid: GridMap, points: FloatArray, margin: float) -> BoolArray:
-    """Return a mask (n,) of the points (n, 2), in [m], at least `margin` [m] inside the edge of a map."""
+    """Return a mask (n,), True for points (n, 2) at least `margin` inside the edge of a map, all in [m]."""
     low = np.array([grid.origin_x, grid.origin_y])
     high = low + np.array(grid.occupied.shape[::-1]) * grid.resolution
     within: BoolArray = np.all((points >= low + margin) & (points <= high - margin), axis=1)

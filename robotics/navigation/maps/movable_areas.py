@@ -35,8 +35,8 @@ def with_movable(grid: GridMap, areas: Iterable[MovableArea], height: float | No
     Args:
         grid: the map.
         areas: outlines and margins.
-        height: of the lidar's scans above the floor, in [m]: areas that it passes over or under are ignored
-            (default: none is ignored).
+        height: height of the lidar's scans above the floor, in [m]; areas of things that the scans pass over
+            or under are ignored (default: none is ignored).
     """
     met = [area for area in areas if height is None or _meets(area, height)]
     if not met:

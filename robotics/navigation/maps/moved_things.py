@@ -24,8 +24,9 @@ class MovedThing(NamedTuple):
 def with_moved(grid: GridMap, things: Iterable[MovedThing]) -> GridMap:
     """Return a map on which things are where they were measured.
 
-    What the map shows within a cell of the old outline is dropped; what else is there, such as a wall behind
-    it, is sensed again. A cell is drawn if its centre is within the new outline.
+    Cells within one cell of a thing's old outline become free, also those of other things there, such as a
+    wall behind it, which has to be sensed again. Cells whose centre is within the new outline become
+    occupied.
     """
     moved = list(things)
     if not moved:
@@ -40,7 +41,7 @@ def with_moved(grid: GridMap, things: Iterable[MovedThing]) -> GridMap:
 
 
 def beside(points: FloatArray, outline: FloatArray, margin: float) -> BoolArray:
-    """Return a mask (k,) of the points within a convex polygon or at most a margin away from its sides.
+    """Return a mask (k,), True for points within a convex polygon, or at most a margin outside its sides.
 
     Args:
         points: (k, 2) in any one frame, in [m].

@@ -11,10 +11,10 @@ HIDDEN_DEPTH_M = 0.25  # [m] by which a thing may be deeper than it was seen
 
 
 def point_discs(points: FloatArray) -> FloatArray:
-    """Return discs (n, 3), x, y and radius in [m], of the things that points lie on.
+    """Return discs (n, 3), x, y and radius in [m], that cover the obstacles on which points lie.
 
-    Points that are chained by gaps of `MAX_POINT_GAP_M` at most lie on one thing. Its disc holds them, and
-    `HIDDEN_DEPTH_M` more.
+    Points connected by gaps of at most `MAX_POINT_GAP_M` lie on the same obstacle. Its disc contains these
+    points and another `HIDDEN_DEPTH_M`.
 
     Args:
         points: (m, 2) in any one frame, in [m].

@@ -17,7 +17,9 @@ MIN_SPEED_M_S = 0.3
 
 
 class RoomSpeeds(NamedTuple):
-    """Speed limits on a map with obstacles, and other limits if there are any."""
+    """Speed limits by the room between the robot and the nearest obstacle on a map, combined with other
+    limits.
+    """
 
     grid: GridMap
     clearance: SingleArray

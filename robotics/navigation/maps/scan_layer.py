@@ -20,9 +20,10 @@ REACH_M = 6.0  # farther returns are ignored: beams are sparse and the heading's
 
 
 class ScanLayer:
-    """Scores of a map's cells: hits raise them, beams that pass lower them.
+    """Layer of sensed obstacles on a map, as scores of its cells: beams raise the cells in which they end.
 
-    Cells that nothing looks at keep their scores; `forget` drops those not hit for some time.
+    Beams lower the scores of cells through which they pass. Cells that no beam meets keep their scores;
+    `forget` resets those that were not hit for some time.
     """
 
     def __init__(self, grid: GridMap, reach: float = REACH_M) -> None:
@@ -40,16 +41,16 @@ class ScanLayer:
 
     @property
     def occupied(self) -> BoolArray:
-        """Mask (h, w) of the cells in which something was sensed."""
+        """Mask (h, w) of cells whose score is high enough for an obstacle."""
         return np.asarray(self._scores >= OCCUPIED_SCORE)
 
     @property
     def points(self) -> FloatArray:
-        """Centres (n, 2) of the occupied cells on the map, in [m]."""
+        """Centres (n, 2) of the cells with a sensed obstacle, on the map, in [m]."""
         return self._grid.to_point(np.argwhere(self.occupied))
 
     def merged(self) -> GridMap:
-        """Return the map with what was sensed."""
+        """Return the map with the cells of sensed obstacles occupied in addition."""
         occupied = self.occupied
         return self._grid._replace(
             occupied=self._grid.occupied | occupied, unknown=self._grid.unknown & ~occupied
@@ -63,13 +64,13 @@ class ScanLayer:
         explained: BoolArray,
         time: float,
     ) -> None:
-        """Take in a scan.
+        """Update the scores of the cells by a scan.
 
         Args:
             map_T_sensor: pose of the sensor on the map.
-            angles: (n,) of the beams in the sensor frame, in [rad].
-            ranges: (n,) in [m]; infinity for beams without an echo, NaN for those without a reading.
-            explained: (n,) beams that end at what the map shows: they raise nothing.
+            angles: (n,) angles of the beams in the sensor frame, in [rad].
+            ranges: (n,) ranges in [m]; infinity for beams without an echo, NaN for those without a reading.
+            explained: (n,) True for beams that end at an obstacle of the map; they raise no score.
             time: time of the scan, in [s].
         """
         grid = self._grid
@@ -90,7 +91,7 @@ class ScanLayer:
         self._hit_at[rows, columns] = time
 
     def erase(self, discs: FloatArray) -> None:
-        """Drop what was sensed in discs (k, 3): x, y and radius in [m]."""
+        """Remove the sensed obstacles in discs (k, 3): x, y on the map and radius, in [m]."""
         cells = np.argwhere(self._scores > 0) if len(discs) else np.empty((0, 2), dtype=np.int64)
         if not len(cells):
             return
@@ -99,13 +100,15 @@ class ScanLayer:
         self._scores[tuple(cells[inside].T)] = 0
 
     def forget(self, before: float) -> bool:
-        """Drop what was last hit before a time in [s]; return whether anything was dropped."""
+        """Reset the scores of cells last hit before a time in [s]; return whether there were any."""
         old = (self._scores > 0) & (self._hit_at < before)
         self._scores[old] = 0
         return bool(old.any())
 
     def cells(self) -> FloatArray:
-        """Return the sensed cells (n, 4): x, y on the map in [m], score, and time of the last hit in [s]."""
+        """Return the cells with a score above 0, (n, 4): x, y on the map in [m], score, time of the last hit
+        in [s].
+        """
         found = np.argwhere(self._scores > 0)
         rows, columns = found.T
         return np.column_stack(
@@ -115,8 +118,8 @@ class ScanLayer:
     def restore(self, cells: FloatArray) -> None:
         """Set cells to the rows (n, 4) that `cells` returned; other cells keep their scores.
 
-        Rows are x, y in [m], score, and time in [s]; they may be of a layer on another map of the same frame.
-        Those outside this map are ignored.
+        Rows are x, y in [m], score, and time in [s]. They may come from a layer on another map of the same
+        frame; cells outside this map are ignored.
         """
         inside = cells[self._grid.inside(cells[:, :2])] if len(cells) else cells
         rows, columns = self._grid.to_cell(inside[:, :2]).T

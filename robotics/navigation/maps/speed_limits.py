@@ -11,7 +11,7 @@ from handcart.robotics.numerics.arrays import FloatArray, Int8Array
 
 
 class AllowedSpeeds(Protocol):
-    """Speed limits by position."""
+    """Interface of speed limits that depend on the position on the map."""
 
     def at(self, points: FloatArray, top: float) -> FloatArray:
         """Return the speed limits (n,) at points, in [m/s].
@@ -24,11 +24,10 @@ class AllowedSpeeds(Protocol):
 
 
 class SpeedLimits(NamedTuple):
-    """Limits by the cells of a mask: base + multiplier * value.
+    """Speed limits given by the cells of a mask: each limit is base + multiplier * value of the cell.
 
-    After nav2_costmap_2d/plugins/costmap_filters/speed_filter.cpp: a value of 0, an unknown cell, a
-    position beyond the mask, a limit of 0 and an impossible one (below 0, above 100 percent) mean
-    "unlimited".
+    The rules are those of nav2_costmap_2d/plugins/costmap_filters/speed_filter.cpp. There is no limit at
+    cells that are 0 or unknown, beyond the mask, and where the limit is not above 0 or is above 100 percent.
     """
 
     values: Int8Array

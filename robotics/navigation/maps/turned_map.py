@@ -16,11 +16,11 @@ ROUNDING_CELLS = 1e-6  # of a cell
 
 
 class TooManyCells(ValueError):
-    """A grid would have too many cells after turning."""
+    """Error of a turned grid that would have too many cells."""
 
 
 class TurnedOccupancy(NamedTuple):
-    """A grid along the axes of its frame."""
+    """Occupancy grid whose cells are along the axes of its frame, computed from a turned grid."""
 
     values: Int8Array
     """(h, w) in percent, -1 for unknown, row 0 at the bottom."""
@@ -29,15 +29,18 @@ class TurnedOccupancy(NamedTuple):
 
 
 def is_level(shape: tuple[int, ...], yaw: float) -> bool:
-    """Return whether a turn by `yaw` [rad] moves no cell of a grid (h, w) by half a cell."""
+    """Return whether a turn by `yaw`, in [rad], is so small that all cells of a grid (h, w) move by less than
+    half a cell.
+    """
     return math.hypot(*shape) * abs(wrap(yaw)) < 0.5
 
 
 def turned_occupancy(values: Int8Array, resolution: float, corner: Pose2) -> TurnedOccupancy:
-    """Return the grid along x and y: each new cell has the value of the old cell in which its middle lies.
+    """Return a turned grid resampled to cells along x and y of the frame, each with the value of the nearest
+    cell.
 
-    The nearest cell is taken, not a mean: surfaces neither blur nor move, and are off by half a cell at most.
-    New cells outside the old grid are unknown.
+    No mean of cells is taken, so surfaces are not blurred, and are off by at most half a cell. New cells
+    outside the turned grid are unknown.
 
     Args:
         values: (h, w) in percent, row 0 at the bottom of the turned grid.

@@ -13,7 +13,7 @@ from .grid_map import GridMap
 
 
 class WallCells:
-    """Centres of the occupied cells that have one of their eight neighbours free or unknown."""
+    """Wall cells of a map: occupied cells that have a free or unknown cell among their eight neighbours."""
 
     def __init__(self, grid: GridMap) -> None:
         """Prepare the occupied cells of a map."""
@@ -36,10 +36,11 @@ class WallCells:
         return self._grid.to_point(np.argwhere(part) + low)
 
     def corners(self, centres: FloatArray, heading: float) -> FloatArray:
-        """Return the centre and the four corners of each cell, (5 n, 2) in the frame of `centres`, in [m].
+        """Return the centre and the four corners of each given cell, (5 n, 2) in the frame of `centres`, in
+        [m].
 
         Args:
-            centres: (n, 2) of the cells in a frame that is turned against the map, in [m].
+            centres: (n, 2) centres of cells, in a frame that may be turned relative to the map, in [m].
             heading: direction of that frame's x axis on the map, in [rad].
         """
         half = 0.5 * self._grid.resolution

@@ -16,10 +16,10 @@ MAX_REST_TURN_RATE = 0.002  # [rad/s] besides its bias: a faster turn is not res
 
 
 class Attitude:
-    """Yaw by integrating the gyro, its bias learned at rest; roll and pitch by the direction of gravity.
+    """Estimator of a base's attitude by an inertial sensor: yaw by the gyro, roll and pitch by gravity.
 
-    Yaw counts from the first heading and is not wrapped, because only its differences are used. Tilt is
-    small, and right only where the base isn't accelerated.
+    The gyro's bias is estimated at rest. Yaw starts at 0 and is not wrapped, because only its differences are
+    used. Roll and pitch are assumed to be small, and are exact only while the base isn't accelerated.
     """
 
     STATE: ClassVar = {
@@ -46,7 +46,7 @@ class Attitude:
         Args:
             rates: (3,) turn rates about the base's axes, in [rad/s].
             accelerations: (3,) specific force along the base's axes, gravity included, in [m/s²].
-            period: in [s].
+            period: duration of the period, in [s].
             at_rest: True if neither wheels nor arm were commanded to move.
         """
         rate = float(rates[2])
@@ -69,10 +69,12 @@ class Attitude:
 
 
 def yaw_sigma(walk: float, moved: float) -> float:
-    """Return the sigma of a difference of `Attitude.yaw`, in [rad], once the bias is learned.
+    """Return the standard deviation, in [rad], of the difference between two values of `Attitude.yaw`.
+
+    The bias of the gyro was estimated before.
 
     Args:
         walk: the gyro's angle random walk, in [rad/√s].
-        moved: duration over which rates were added up in between, in [s].
+        moved: duration, between the two values, over which turn rates were integrated, in [s].
     """
     return walk * math.sqrt(moved + moved**2 / BIAS_TIME)

@@ -31,25 +31,29 @@ class _BentSums(NamedTuple):
 
 
 class BentWay(_BentSums):
-    """Position error of second order in the heading's error, summed up over a drive."""
+    """Position error of odometry that is of second order in the heading's error, summed up over a drive.
+
+    To first order an error of the heading moves the base sideways only. The terms here are the shortening of
+    the way, and slip in a direction that is wrong already.
+    """
 
     @classmethod
     def straight(cls) -> Self:
-        """Return sums of zero, for the beginning of a drive."""
+        """Return sums of zero, as at the beginning of a drive."""
         return cls(np.zeros((2, 2)), np.zeros((3, 3)))
 
     @cached_property
     def covariance(self) -> FloatArray:
-        """Covariance (2, 2) of the position, in [m²]."""
+        """Covariance (2, 2) of x and y by the second-order errors, in [m²]."""
         return np.asarray(self.rest.T @ self.rest + self.crossed[1:, 1:])
 
     def stepped(self, x: float, y: float, variance: float, slip: float) -> Self:
-        """Return the sums after a step.
+        """Return the sums after one more step of the base.
 
         Args:
-            x: of the step on the map, in [m].
-            y: of the step on the map, in [m].
-            variance: of the heading, in [rad²].
+            x: x of the base's step on the map, in [m].
+            y: y of the base's step on the map, in [m].
+            variance: variance of the heading, in [rad²].
             slip: part of the variance that this step has added, in [rad²].
         """
         along, aside = rest_sigmas(variance)
@@ -60,10 +64,11 @@ class BentWay(_BentSums):
         return type(self)(rest, crossed)
 
     def corrected(self, kept: FloatArray) -> Self:
-        """Return the sums after a pose was measured.
+        """Return the sums after the pose was corrected by a measurement.
 
         Args:
-            kept: (3, 3) share of the prior's error in x, y and heading that is still in the pose.
+            kept: (3, 3) matrix that maps the error of x, y and heading before the correction to the error
+                that remains.
         """
         still = np.zeros((3, 3))
         still[0, 0], still[1:, 1:] = kept[2, 2], kept[:2, :2]
@@ -73,10 +78,10 @@ class BentWay(_BentSums):
 def rest_sigmas(variance: float) -> tuple[float, float]:
     """Return the root mean squares of 1 - cos(e) and of e - sin(e) for normal errors e of a heading.
 
-    A step of 1 m is shorter, and goes less to the side, by these amounts than the first order in e says.
+    By these amounts a step of 1 m is shorter, and goes less to the side, than to first order in e.
 
     Args:
-        variance: of e, in [rad²].
+        variance: variance of e, in [rad²].
     """
     if variance < SMALL_VARIANCE:
         return math.sqrt(0.75) * variance, math.sqrt(15.0 / 36.0) * max(0.0, variance) ** 1.5

@@ -14,12 +14,12 @@ from .odometry import Odometry, OdometryErrors, SidewaysErrors
 
 
 class HolonomicOdometry(Odometry):
-    """Odometry by the travel of both sides and the travel sideways, with three degrees of freedom.
+    """Odometry of a base that can drive sideways, by the wheels' travel on both sides and sideways.
 
-    Wheels of unequal size or load turn a base that drives sideways, and move it ahead: on mecanum wheels
-    these errors are larger than those of driving ahead (Adascalitei and Doroftei 2011). They stay the same,
-    so they are states beside those of `Odometry`: distance sideways (relative), motion ahead for each metre
-    sideways, turn for each metre sideways.
+    Wheels of unequal size or load turn a base that drives sideways, and move it ahead. On mecanum wheels
+    these errors are larger than those of driving ahead (Adascalitei and Doroftei 2011). They are constant, so
+    they are estimated together with the states of `Odometry`: relative error of the distance sideways, motion
+    ahead for each metre sideways, and turn for each metre sideways.
     """
 
     @staticmethod
@@ -83,7 +83,7 @@ class HolonomicOdometry(Odometry):
 
 
 def odometry_of(pose: Pose2, tread: float, errors: OdometryErrors, covariance: FloatArray | None) -> Odometry:
-    """Return the odometry of a base: of one that drives sideways if `errors` has such errors.
+    """Return the odometry of a base; a `HolonomicOdometry` if `errors` contains errors of sideways motion.
 
     Args:
         pose: map_T_base at the start.

@@ -19,7 +19,7 @@ _LEAST = 1e-12 * _IDENTITY  # [m², rad²] of a pose that is certain: it can be 
 
 
 class SidewaysErrors(NamedTuple):
-    """One-sigma errors of sideways motion on mecanum, omni or swerve wheels."""
+    """Standard deviations of the errors of sideways motion on mecanum, omni or swerve wheels."""
 
     scale: float = 0.05
     """Relative error of the distance sideways, and of the motion ahead that goes with it; constant."""
@@ -30,7 +30,7 @@ class SidewaysErrors(NamedTuple):
 
 
 class OdometryErrors(NamedTuple):
-    """One-sigma errors of a differential drive's wheels; by default those of uncalibrated wheels."""
+    """Standard deviations of the errors of a base's wheels; by default those of uncalibrated wheels."""
 
     radius: float = 0.02
     """Relative error of each wheel's radius, constant."""
@@ -45,12 +45,12 @@ class OdometryErrors(NamedTuple):
 
 
 class Odometry:
-    """Pose of a differential drive by its wheels' travel, with the covariance of their errors.
+    """Odometry of a differential drive: pose by the travel of its wheels, with covariance.
 
-    Errors of wheel radius and tread stay the same for the whole drive, so their effect grows with distance,
-    not with its square root. They are therefore carried as three more states; a pose that was measured
-    otherwise (`correct`) also teaches them: the wheels are calibrated while driving. An error of the
-    heading is not small on long drives, so the covariance includes more than its first order (`BentWay`).
+    Errors of wheel radii and tread are constant during a drive, so their effect grows with the distance, not
+    with its square root. They are therefore three more estimated states. A pose that another sensor measured
+    (`correct`) improves them too, so the wheels are calibrated while driving. On long drives the error of the
+    heading is not small, so the covariance also includes its second-order effects (`BentWay`).
     """
 
     STATE: ClassVar = {
@@ -102,7 +102,7 @@ class Odometry:
         return self._state[:3, :3].copy()
 
     def set_origin(self) -> None:
-        """Measure `displacement` from the present pose on."""
+        """Set the present pose as the origin, from which `displacement` is measured."""
         mean, state = np.array(self.pose), self._state[:3].copy()
         self._origin = WatchedMoment(Belief(mean, state[:, :3].copy()), state)
 
@@ -113,10 +113,10 @@ class Odometry:
 
     @property
     def displacement(self) -> Belief:
-        """Motion since `set_origin`, in the frame of the pose then: x, y in [m], heading in [rad].
+        """Motion since `set_origin`, in the frame that the base had then: x, y in [m] and heading in [rad].
 
-        Mean (3,) and covariance (3, 3). The pose then is not estimated again: the robot drives back to it.
-        An error of the wheel radius cancels on a drive out and back.
+        It has a mean (3,) and a covariance (3, 3). Later corrections do not change the pose at the origin, to
+        which the robot may have to drive back. An error of the wheel radius cancels on a drive out and back.
         """
         heading = self._origin.belief.mean[2] + wrap(float(self.pose.theta - self._origin.belief.mean[2]))
         now = Belief(np.array([self.pose.x, self.pose.y, heading]), self._state[:3, :3])
@@ -138,7 +138,8 @@ class Odometry:
             self._state[:3, :3] = covariance
 
     def shift(self, pose: Pose2, added: FloatArray) -> None:
-        """Move to a pose that the wheels do not report; the errors of earlier poses are still in it.
+        """Set a pose to which the base was moved without its wheels; errors of earlier poses remain in the
+        covariance.
 
         Args:
             pose: map_T_base.
@@ -164,7 +165,7 @@ class Odometry:
         self._origin.shared[:, :3] = spread @ carry.T
 
     def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
-        """Move the pose by the travel of the wheels since the last call.
+        """Move the pose by the travel of the wheels since the last call, and update the covariance.
 
         Args:
             left: travel of the left wheel, in [m].
@@ -216,13 +217,13 @@ class Odometry:
         self._bent = bent
 
     def correct(self, pose: Pose2, covariance: FloatArray, kept: FloatArray | None = None) -> None:
-        """Take over a better pose, found with this one as its prior.
+        """Correct the pose by a better estimate, for which the present pose was used as prior.
 
         Args:
             pose: map_T_base.
-            covariance: (3, 3) of x, y in [m] and heading in [rad], with the prior already in it.
-            kept: (3, 3) share of the prior's error that is still in the pose: identity less the gain. None:
-                that of an optimal filter with this covariance.
+            covariance: (3, 3) covariance of the better estimate: x, y in [m] and heading in [rad].
+            kept: (3, 3) matrix that maps the prior's error to the error that remains: identity less the gain.
+                None: that of an optimal filter with this covariance.
         """
         prior = self._state[:3, :3] + _LEAST
         gain = lapack_solved(prior, self._state[:3]).T  # (6, 3): effect of a change of the pose on all states
@@ -239,15 +240,16 @@ class Odometry:
 
     @property
     def errors(self) -> OdometryErrors:
-        """Assumed errors of the wheels."""
+        """Standard deviations of the wheels' errors, as assumed at the start."""
         return self._errors
 
     def sideways_turn_variance(self, sideways: float) -> float:
-        """Variance in [rad²] of a turn by slip over travel sideways in [m]."""
+        """Return the variance, in [rad²], of the heading by slip during sideways travel, in [m]."""
         return 0.0
 
     def turn_variance(self, left: float, right: float, sideways: float = 0.0) -> float:
-        """Return the variance in [rad²] of a turn by the constant errors of the wheels.
+        """Return the variance, in [rad²], of the turn computed from wheel travel, by constant errors of the
+        wheels.
 
         Arguments are travel in [m]; `sideways` is positive to the left. Slip is not included.
         """
@@ -256,11 +258,13 @@ class Odometry:
 
     @property
     def scale_variance(self) -> float:
-        """Relative variance of the length of a straight way, without unit."""
+        """Relative variance of the length that is computed for a straight way, without unit."""
         return float(self._state[3:5, 3:5].sum()) / 4.0
 
     def doubt_scale(self, size: float) -> None:
-        """Expect a relative error of a given size in the length of ways, alike for both wheels."""
+        """Increase the variance of both wheels' radii, because lengths were found to have a relative error
+        `size`.
+        """
         self._state[3:5, 3:5] += size**2
 
 

@@ -13,7 +13,7 @@ MAX_FACTOR = 400.0  # of the claimed variance: 20 times its sigma
 
 
 class RolledWay(NamedTuple):
-    """Travel of the wheels, in [m]."""
+    """Travel of a base's wheels, summed up: left side, right side, and sideways to the left, in [m]."""
 
     left: float = 0.0
     right: float = 0.0
@@ -31,11 +31,11 @@ class RolledWay(NamedTuple):
 
 
 class SlipMonitor:
-    """Estimator of the wheels' slip, by the turns that scans correct and their variance (Mehra, 1970).
+    """Estimator of the wheels' slip, from the heading corrections by scans and their variance (Mehra, 1970).
 
-    Turns are summed up over windows of `WINDOW_M` of a wheel's travel, and the last ten windows are averaged.
-    Scans determine the heading wherever a wall is seen, also along a corridor. Slip of both wheels alike does
-    not show in the heading; it is assumed to be as large as that of a single wheel.
+    Corrections are summed up over windows of `WINDOW_M` of a wheel's travel, and the last ten windows are
+    averaged. Scans determine the heading wherever a wall is seen, also along a corridor. Equal slip of both
+    wheels does not change the heading; it is assumed to be as large as that of a single wheel.
     """
 
     STATE: ClassVar = {"_missed": float, "_claimed": float, "_rolled": float, "_ratios": tuple[float, ...]}
@@ -47,7 +47,9 @@ class SlipMonitor:
 
     @property
     def factor(self) -> float:
-        """Factor of the slip's variance relative to the assumed one, 1 to 400; 1 before three windows."""
+        """Factor, 1 to 400, of the slip's estimated variance to the assumed one; 1 until three windows are
+        complete.
+        """
         if len(self._ratios) < MIN_WINDOWS:
             return 1.0
         return min(MAX_FACTOR, max(1.0, math.fsum(self._ratios) / len(self._ratios)))
@@ -58,7 +60,8 @@ class SlipMonitor:
         return self._rolled == 0.0
 
     def roll(self, left: float, right: float, variance: float) -> None:
-        """Count the wheels' travel, and the variance that slip is assumed to add by it.
+        """Add the wheels' travel, and the heading variance by assumed slip, to the sums of the present
+        window.
 
         Args:
             left: travel of the left wheels, in [m].
@@ -69,11 +72,12 @@ class SlipMonitor:
         self._claimed += variance
 
     def take(self, missed: float, other: float) -> None:
-        """Count a turn that a scan found the wheels to have missed; start a new window after a full one.
+        """Add a heading correction by a scan; complete the window and start a new one if its travel is long
+        enough.
 
         Args:
             missed: heading by the scan less heading by the wheels, in [rad].
-            other: variance in [rad²] of the turn in the window for other reasons than slip.
+            other: variance, in [rad²], of the window's turn by other errors than slip.
         """
         self._missed += missed
         if self._rolled < WINDOW_M:
@@ -83,16 +87,17 @@ class SlipMonitor:
         self.begin()
 
     def begin(self) -> None:
-        """Start a new window of travel, and drop the counts of the present one."""
+        """Start a new window of travel, and discard the sums of the present window."""
         self._missed = self._claimed = self._rolled = 0.0
 
 
 def turn_variance(slip: float, length: float, left: float, right: float, tread: float) -> float:
-    """Return the variance in [rad²] of a turn by slip.
+    """Return the variance, in [rad²], of a base's turn by slip of its wheels.
 
     Args:
-        slip: relative error (sigma) of each wheel's travel, new every `length`.
-        length: distance after which the slip is new, in [m].
+        slip: standard deviation of the relative error of each wheel's travel, which is independent after
+            every `length`.
+        length: distance after which the slip is independent of that before, in [m].
         left: travel of the left wheels, in [m].
         right: travel of the right wheels, in [m].
         tread: distance of the wheels, in [m].

@@ -27,7 +27,7 @@ class Belief(NamedTuple):
 
 
 class BeliefBranch(NamedTuple):
-    """Possible change of the states just before a reading, with its probability."""
+    """One of several possible changes of a filter's states just before a reading, with its probability."""
 
     weight: float
     """Probability of the branch, given the readings; all weights add up to one."""
@@ -42,7 +42,10 @@ class BeliefBranch(NamedTuple):
 
 
 class WatchedMoment(NamedTuple):
-    """States at an earlier moment, as estimated by all readings up to now."""
+    """Estimate of a filter's states at an earlier moment, which later readings still improve.
+
+    Only this moment is tracked, by its covariance with the present states.
+    """
 
     belief: Belief
     """Mean (k,) and covariance (k, k) of the states then."""
@@ -51,38 +54,42 @@ class WatchedMoment(NamedTuple):
 
     @classmethod
     def of(cls, now: Belief, states: int | None = None) -> Self:
-        """Return the present moment, by the belief `now`, with all states or the first `states` alone."""
+        """Start to track the present moment: return it with all states of the belief `now`, or only the first
+        `states`.
+        """
         covariance = now.covariance[:states].copy()
         return cls(Belief(now.mean[:states].copy(), covariance[:, :states].copy()), covariance)
 
     def stepped(self, transition: FloatArray) -> Self:
-        """Return the moment after the present states, (n,) in any units, were predicted with `transition` (n,
-        n).
+        """Return the moment after a prediction step of the filter, whose states (n,) change by `transition`
+        (n, n).
         """
         return type(self)(self.belief, self.shared @ transition.T)
 
     def corrected(
         self, covariance: FloatArray, rows: FloatArray, residual: FloatArray, variance: float
     ) -> Self:
-        """Return the moment after readings that depend on the present states.
+        """Return the moment after a filter update by readings that depend on the present states.
 
         Args:
             covariance: (n, n) of the present states before the readings.
             rows: (m, n) derivative of the readings by the present states.
             residual: (m,) readings less their expected values, in their unit.
-            variance: of each reading, in its unit squared.
+            variance: variance of each reading, in its unit squared.
         """
         (mean, spread), shared = self
         mean, spread, shared = _corrected(mean, spread, shared, covariance, rows, residual, variance)
         return type(self)(Belief(mean, spread), shared)
 
     def corrected_either(self, branches: Sequence[BeliefBranch], rows: FloatArray, variance: float) -> Self:
-        """Return the moment after an update before which the states may have changed in one of several ways.
+        """Return the moment after a filter update by readings, if the states may have changed in one of
+        several ways.
 
         Args:
-            branches: the ways, each with its weight, transition, residual and covariance.
+            branches: possible changes before the update, each with its weight, transition, residual and
+                covariance.
             rows: (m, n) derivative of the readings by the present states.
-            variance: of each reading, in its unit squared.
+            variance: variance of each reading, in its unit squared.
         """
         each = [
             (self if one.transition is None else self.stepped(one.transition)).corrected(
@@ -100,13 +107,17 @@ class WatchedMoment(NamedTuple):
         return type(self)(then, np.asarray(shared))
 
     def unrelated(self) -> Self:
-        """Return the moment without correlation to the present states, which now come from elsewhere."""
+        """Return the moment without correlation to the present states, because these were set independently
+        of it.
+        """
         return self._replace(shared=np.zeros_like(self.shared))
 
     def relative_pose(self, now: Belief) -> Belief:
-        """Return then_T_now: mean (3,) of x, y in [m] and heading in [rad], and covariance (3, 3).
+        """Return the present pose relative to that at the moment: mean (3,) and covariance (3, 3).
 
-        The first three states have to be x, y and heading; the heading of the mean isn't wrapped.
+        The values are x, y in [m] and heading in [rad], in the frame of the earlier pose.
+
+        The first three states of both have to be x, y and heading. The heading of the mean isn't wrapped.
 
         Errors common to both moments cancel, and the absolute heading does not matter.
         """
@@ -126,7 +137,7 @@ def mixed(beliefs: Sequence[Belief], weights: FloatArray) -> Belief:
     """Return mean and covariance of a mixture of beliefs.
 
     Args:
-        beliefs: k of them.
+        beliefs: k beliefs of the same states.
         weights: (k,) probabilities; their sum is 1.
     """
     means, covariances = (
@@ -144,10 +155,10 @@ def spread_about(
     """Return the covariance (n, n) of a mixture, in units of the states squared.
 
     Args:
-        away: (k, n) means of the parts less that of the mixture.
-        weights: (k,) weights of these distances.
-        covariances: (k, n, n) of the parts.
-        shares: (k,) weights of the covariances.
+        away: (k, n) mean of each part less the mean of the mixture.
+        weights: (k,) weights of the parts for the spread of their means.
+        covariances: (k, n, n) covariances of the parts.
+        shares: (k,) weights of the parts for their covariances.
     """
     out = np.zeros(covariances.shape[1:])
     size = away.shape[1]

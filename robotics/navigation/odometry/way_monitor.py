@@ -11,7 +11,7 @@ WRONG_SIGMAS = 3.0  # sigmas beyond which what is claimed is wrong
 
 
 class WayMonitor:
-    """Test for a scale error of the wheels' travel, by the sum of the scans' forward corrections.
+    """Detector of a scale error of the wheels' travel, from the sum of the forward corrections by scans.
 
     The sum over a window of travel, 10 m at most, is compared with its expected spread (Mehra, 1970). The
     filter alone hardly notices such an error, because it takes each single correction for the map's error.
@@ -24,7 +24,9 @@ class WayMonitor:
         self._missed, self._way, self._claimed, self._next = 0.0, 0.0, 0.0, TEST_EVERY_M
 
     def roll(self, way: float, variance: float) -> None:
-        """Count a way in [m], negative backwards, and the `variance` in [m²] that slip is assumed to add."""
+        """Add travel in [m], negative backwards, and its `variance` by assumed slip, in [m²], to the window's
+        sums.
+        """
         self._way += way
         self._claimed += variance
 
@@ -33,13 +35,14 @@ class WayMonitor:
         self._missed, self._way, self._claimed, self._next = 0.0, 0.0, 0.0, TEST_EVERY_M
 
     def take(self, missed: float, map_sigma: float, scale_variance: float) -> float:
-        """Add a forward correction; return the size of the relative scale error if significant, otherwise 0.
+        """Add a forward correction; return the size of the relative scale error if it is significant,
+        otherwise 0.
 
         A significant error starts a new window. Its sign is not returned.
 
         Args:
             missed: position by the scan less position by the wheels, along the heading, in [m].
-            map_sigma: sigma of the map's error at one place, in [m].
+            map_sigma: standard deviation of the map's error at one place, in [m].
             scale_variance: assumed relative variance of the length of travel.
         """
         self._missed += missed

@@ -47,12 +47,14 @@ _LEAPT = np.diag([0.0 if k in (states.GPS_X, states.GPS_Y) else 1.0 for k in ran
 
 
 class FieldKalman:
-    """An extended Kalman filter with the errors themselves as states (see `FieldModel`).
+    """Extended Kalman filter for the pose of a base outdoors, by wheels, gyros and GNSS fixes.
 
-    A fix that its own covariance can't explain is rejected; so are fixes that are off together, and those
-    of them that were accepted before it showed are undone (see `FixMonitor`). If rejected fixes agree with
-    each other and with the odometry, the filter is wrong rather than the fixes (see `LostTrack`): it then
-    starts again from them. A reading that isn't finite is ignored.
+    The errors of wheels, gyros and fixes are states of the filter too (see `FieldModel`).
+
+    A fix is rejected if it differs from the expected position by more than the covariances allow. A series of
+    fixes with a common error is rejected as well; fixes of the series that were accepted before are undone
+    (see `FixMonitor`). If rejected fixes agree with each other and with the odometry, the filter is assumed
+    to be wrong, and starts again from these fixes (see `LostTrack`). A reading that isn't finite is ignored.
     """
 
     STATE: ClassVar[Mapping[str, Any]] = {
@@ -117,7 +119,9 @@ class FieldKalman:
         return Belief(self._mean, self._spread)
 
     def mark(self) -> Belief:
-        """Mark this moment for the smoother, and return the filter's present belief."""
+        """Mark this moment, for which `smoothed` shall return a belief, and return the filter's present
+        belief.
+        """
         self._note(FilterRequest.MARK)
         now = Belief(self._mean.copy(), self._spread.copy())
         if self._record is not None:
@@ -137,7 +141,10 @@ class FieldKalman:
         return self._origin.relative_pose(self.belief)
 
     def smoothed(self) -> list[Belief]:
-        """Return the beliefs at the marked moments by all readings so far; none without a record."""
+        """Return the states at all marked moments, estimated from all readings so far, also later ones.
+
+        The list is empty if the filter has no record.
+        """
         return [] if self._record is None else self._record.smoothed()
 
     @property
@@ -148,12 +155,12 @@ class FieldKalman:
 
     @property
     def bias_sigma(self) -> float:
-        """Standard deviation of the vertical gyro's reading at rest, in [rad/s]."""
+        """Standard deviation of the estimated bias of the vertical gyro, in [rad/s]."""
         whole = self._spread[np.ix_([states.BIAS, states.WARM_UP], [states.BIAS, states.WARM_UP])]
         return math.sqrt(float(whole.sum()))
 
     def advance(self, advance: Advance) -> None:
-        """Predict one step from wheels and gyros."""
+        """Predict the states after one step, by the motion that wheels and gyros have measured."""
         self._note(advance)
         if advance.rest < advance.time:
             self._see_bias()
@@ -183,8 +190,8 @@ class FieldKalman:
 
         Args:
             position: (2,) position of the antenna in the field's frame, in [m].
-            sigma: standard deviation along each axis by the receiver, in [m]; None: that of the noise
-                model.
+            sigma: standard deviation along each axis, as reported by the receiver, in [m]; None: that of the
+                noise model.
             odometry: pose by wheels and gyros alone.
         """
         variance = (self.noise.gps_white if sigma is None else sigma) ** 2
@@ -337,7 +344,7 @@ class FieldKalman:
         self._lost.doubt(count)
 
     def begin(self, found: FoundTrack) -> None:
-        """Start at a pose found by the fixes; only the estimate of the gyro's bias is kept."""
+        """Start again at a pose computed from fixes; only the estimate of the gyro's bias is kept."""
         known = [states.BIAS, states.WARM_UP]
         mean, spread = self._model.start(np.array(found.pose), 0.0)
         mean[known], spread[np.ix_(known, known)] = self._mean[known], self._spread[np.ix_(known, known)]
@@ -346,10 +353,11 @@ class FieldKalman:
         self._forget_past()
 
     def begin_with(self, belief: Belief, supposed: FieldNoise) -> None:
-        """Start with a belief (13,), (13, 13) that was found with the noise model `supposed`.
+        """Start again with a belief, mean (13,) and covariance (13, 13), computed with the noise model
+        `supposed`.
 
-        If this filter's own model has larger errors, the difference is added: a larger slow error of the
-        fixes is an error of the position too.
+        If errors of this filter's own noise model are larger, the differences are added to the covariance. A
+        larger slow error of the fixes also increases the error of the position.
         """
         mean, spread = belief.mean.copy(), belief.covariance.copy()
         mean[states.HEADING] = wrap(float(mean[states.HEADING]))

@@ -22,7 +22,7 @@ STEP_PERIOD_S = 0.1  # [s] of a filter's step; gyros and wheels are integrated w
 
 
 class Inconsistency(NamedTuple):
-    """Contradiction between readings and the values that a filter expects."""
+    """Statistic of readings that is beyond the limit that a filter's covariance sets for it."""
 
     what: str
     """Statistic of the readings that is inconsistent."""
@@ -31,9 +31,11 @@ class Inconsistency(NamedTuple):
 
 
 class FieldLocalizer(ABC):
-    """Estimator of world_T_base from wheels, gyros, accelerometers and GPS; world is x east, y north.
+    """Base class of estimators of world_T_base from wheels, gyros, accelerometers and GNSS; x is east, y
+    north.
 
-    Between two steps of the filter its pose is carried on by gyro odometry: there is a new one each period.
+    Between two steps of the filter, its pose is updated by gyro odometry, so that there is a new pose each
+    period.
     """
 
     STATE: ClassVar[Mapping[str, Any]] = {"_since": Pose2, "_lead": Pose2 | None}
@@ -77,24 +79,22 @@ class FieldLocalizer(ABC):
 
     @property
     def meanwhile(self) -> Belief | None:
-        """Pose by the fixes while the heading is unknown; None once it is known.
+        """Pose estimated from fixes while the heading is still unknown; None once the heading is known.
 
-        Mean (3,) and covariance (3, 3) of x, y in the field's frame in [m] and heading in [rad].
-
-        `pose` is by wheels and gyros alone until then, so that the base comes back to where it was.
+        It has a mean (3,) and a covariance (3, 3) of x, y in the field's frame in [m] and heading in [rad].
+        Until the heading is known, `pose` follows wheels and gyros only, so that the base can return to its
+        start.
         """
         return None
 
     @property
     def inconsistency(self) -> Inconsistency | None:
-        """Contradiction between the fixes of the last minute and the filter's covariance; None while they
-        agree.
-        """
+        """Inconsistency of the last minute's fixes with the filter's covariance; None if there is none."""
         return None
 
     @property
     def parts(self) -> Sequence[Any]:
-        """Components that have a `STATE` of their own."""
+        """Components of the estimator whose own `STATE` has to be stored in a checkpoint too."""
         return ()
 
     @property
@@ -124,8 +124,8 @@ class FieldLocalizer(ABC):
         """Motion origin_T_base since `set_origin`, with its covariance.
 
         The mean (3,) is x ahead and y left in [m] and the turn in [rad]. Over some metres the motion is known
-        far better than the pose on the Earth: errors that both poses share cancel, and the heading on the
-        Earth does not matter.
+        far better than the pose on the Earth, because common errors of both poses cancel, and the heading on
+        the Earth does not matter.
 
         Raises:
             ValueError: no origin was set.
@@ -138,7 +138,8 @@ class FieldLocalizer(ABC):
         return Belief(np.array([x, y, wrap(turn)]), covariance)
 
     def predict(self, rates: FloatArray, accelerations: FloatArray, wheels: FloatArray, dt: float) -> None:
-        """Take in one period's readings; a reading that isn't finite is replaced by the one before.
+        """Move the pose by one period's readings; a reading that isn't finite is replaced by the reading
+        before.
 
         Args:
             rates: (3,) angular velocities in the base's axes, in [rad/s].
@@ -152,14 +153,15 @@ class FieldLocalizer(ABC):
             self._flush()
 
     def fix(self, position: FloatArray, sigma: float | None = None) -> bool:
-        """Update with a GNSS position that was measured now; return whether it was believed.
+        """Correct the pose by a GNSS position that was measured now; return whether the position was used.
 
-        A position that isn't finite is refused, and so is a sigma that isn't finite or above zero.
+        A position is not used if it is implausible or not finite, or if `sigma` is not finite or not above
+        zero.
 
         Args:
             position: (2,) position of the antenna in the field's frame, in [m].
-            sigma: standard deviation along each axis by the receiver, in [m]; None: that of the noise
-                model.
+            sigma: standard deviation along each axis, as reported by the receiver, in [m]; None: that of the
+                noise model.
         """
         if not np.all(np.isfinite(position)) or (sigma is not None and not 0.0 < sigma < math.inf):
             return False
@@ -167,13 +169,17 @@ class FieldLocalizer(ABC):
         return self._fix(np.asarray(position, dtype=np.float64), sigma)
 
     def ranges(self, distances: FloatArray) -> None:
-        """Take in ranges (k,) in [m] to the beacons, measured now; NaN of those that weren't heard."""
+        """Correct the pose by ranges (k,) to radio beacons, in [m], measured now; NaN for beacons without a
+        reading.
+        """
         if self.TAKES_RANGES:
             self._flush()
             self._ranges(distances)
 
     def mark(self) -> Belief | None:
-        """Mark this moment for `smoothed`; return the present belief, None for a filter without smoother."""
+        """Mark this moment, for which `smoothed` shall return a belief; return the present belief, None
+        without smoother.
+        """
         return None
 
     def smoothed(self) -> list[Belief]:
@@ -184,7 +190,9 @@ class FieldLocalizer(ABC):
         return []
 
     def forget_derived(self) -> None:
-        """Forget values derived from the state, which was set from outside."""
+        """Discard cached values that were computed from the state, because the state was replaced by a stored
+        one.
+        """
 
     def _flush(self) -> None:
         if self._odometry.pending > 0.0:
@@ -219,11 +227,11 @@ class FieldLocalizer(ABC):
 
 
 def inconsistency_of(squares: Sequence[tuple[float, float | None]], axes: int = 2) -> Inconsistency | None:
-    """Return the contradiction between the latest readings and their expected values; None while they agree.
+    """Return the statistic by which the latest readings contradict a filter's covariance; None if they agree.
 
     Args:
-        squares: times in [s], and squared distances of readings from their expected values, in sigmas; None
-            of those that were rejected.
+        squares: for each reading its time in [s], and its squared Mahalanobis distance from the expected
+            value; None instead of the distance if it was rejected.
         axes: number of axes of each reading.
     """
     if len(squares) < MIN_READINGS:

@@ -19,12 +19,13 @@ TILT_SIGMA_RAD = math.radians(0.17)  # error of an ordinary levelled acceleromet
 
 
 class FieldModel(NamedTuple):
-    """Thirteen states, and how they change with the readings of wheels and gyro.
+    """Model of a base outdoors: thirteen states, and how they change with the readings of wheels and gyro.
 
-    In this order: x, y in the field's frame in [m], heading in [rad]; relative error of the wheels' travel,
-    first the constant one, then that in curves (new on each leg), then the slow one; angle from the heading
-    to the direction of travel in [rad]; the vertical gyro's bias and its part that warms away in [rad/s], its
-    relative scale; slow error of the fixes in x and y in [m], and their delay in [s].
+    The states are, in this order: x and y in the field's frame in [m]; heading in [rad]; relative error of
+    the wheels' travel, in three parts: constant, in curves (new after each change of the driving direction),
+    and slowly changing; angle from the heading to the direction of travel in [rad]; the vertical gyro's bias
+    in [rad/s], the part of it that decays as the gyro warms up, and its relative scale error; slow error of
+    the fixes in x and y in [m]; delay of the fixes in [s].
     """
 
     noise: FieldNoise
@@ -36,7 +37,7 @@ class FieldModel(NamedTuple):
 
         Args:
             pose: (3,) field_T_base: x, y in [m], heading in [rad].
-            position_sigma: of x and of y, in [m].
+            position_sigma: standard deviation of x and of y, in [m].
         """
         noise = self.noise
         mean = np.zeros(STATE_SIZE)
@@ -52,7 +53,7 @@ class FieldModel(NamedTuple):
 
     @property
     def figures(self) -> FloatArray:
-        """Parameters (11,) of the noise in SI units, in the order in which `field_step` takes them.
+        """Parameters (11,) of the noise model in SI units, in the order that `field_step` expects.
 
         `slip`, `slip_length`, `turn_slip`, `side_slip`, `side_slip_length`, `side_slip_turning`,
         `gyro_white`, `gyro_walk`, `gyro_warm_up_time`, slow error of a fix, `gps_drift_time`.
@@ -65,7 +66,8 @@ class FieldModel(NamedTuple):
     def step(
         self, mean: FloatArray, advance: Advance, new_leg: bool
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return mean (13,), transition (13, 13) and added variances (13,) of one step, in SI units.
+        """Return the predicted mean (13,), transition matrix (13, 13) and added variances (13,) of a step, in
+        SI units.
 
         Args:
             mean: (13,) states before the step.
@@ -87,13 +89,15 @@ class FieldModel(NamedTuple):
 def field_step(
     mean: FloatArray, advance: FloatArray, new_leg: bool, figures: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return mean (13,), transition (13, 13) and added variances (13,) of one step of `FieldModel`.
+    """Return the predicted mean (13,), transition matrix (13, 13) and added variances (13,) of
+    `FieldModel.step`.
 
-    The covariance after it is transition @ covariance @ transition.T + diag(added).
+    The covariance after the step is transition @ covariance @ transition.T + diag(added).
 
     Args:
         mean: (13,) states before the step, in SI units.
-        advance: (6,) forward in [m], turn and drift in [rad], time and rest in [s], still in [rad].
+        advance: (6,) fields of an `Advance`: forward in [m], turn and drift in [rad], time and rest in [s],
+            still in [rad].
         new_leg: True if the base changed its direction of driving.
         figures: (11,) parameters of the noise in SI units, in the order of `FieldModel.figures`.
     """
@@ -152,12 +156,14 @@ def field_step(
 def went_on(
     mean: FloatArray, covariance: FloatArray, advance: FloatArray, new_leg: bool, figures: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return mean (13,), covariance (13, 13) and transition (13, 13) after a step of `FieldModel`.
+    """Return mean (13,) and covariance (13, 13) after a step of `FieldModel`, and its transition matrix (13,
+    13).
 
     Args:
         mean: (13,) states before the step, in SI units.
         covariance: (13, 13) before the step.
-        advance: (6,) forward in [m], turn and drift in [rad], time and rest in [s], still in [rad].
+        advance: (6,) fields of an `Advance`: forward in [m], turn and drift in [rad], time and rest in [s],
+            still in [rad].
         new_leg: True if the base changed its direction of driving.
         figures: (11,) parameters of the noise in SI units, in the order of `FieldModel.figures`.
     """
@@ -167,7 +173,7 @@ def went_on(
 
 @compiled
 def level_lever(antenna: tuple[float, float, float], tilt: tuple[float, float], heading: float) -> FloatArray:
-    """Return the level offset (2,) from the base to its antenna in the field's axes, in [m].
+    """Return the horizontal offset (2,) from the base to its antenna, in the field's axes, in [m].
 
     Args:
         antenna: x, y, z of the antenna in the base frame, in [m].
@@ -184,16 +190,16 @@ def level_lever(antenna: tuple[float, float, float], tilt: tuple[float, float], 
 
 @compiled
 def fix_forecast(mean: FloatArray, lever: FloatArray, speed: float) -> tuple[FloatArray, FloatArray]:
-    """Return how a fix depends on the states, and its expected value.
+    """Return the derivative of a GNSS fix by the states of `FieldModel`, and the fix's expected value.
 
     Args:
         mean: (13,) states, in SI units.
-        lever: (2,) level offset from the base to the antenna in the field's axes, in [m].
+        lever: (2,) horizontal offset from the base to the antenna, in the field's axes, in [m].
         speed: speed of the base, in [m/s].
 
     Returns:
-        Derivatives (2, 13) of the position by the states, and the position (2,) in the field's frame, in
-            [m].
+        Derivatives (2, 13) of the antenna's position by the states, and this position (2,) in the field's
+            frame, in [m].
     """
     cos, sin = math.cos(mean[HEADING]), math.sin(mean[HEADING])
     rows = np.zeros((2, STATE_SIZE))
@@ -209,11 +215,11 @@ def fix_forecast(mean: FloatArray, lever: FloatArray, speed: float) -> tuple[Flo
 
 @compiled
 def carried(covariance: FloatArray, transition: FloatArray, added: FloatArray) -> FloatArray:
-    """Return the covariance (13, 13) after a step, in SI units squared.
+    """Return the covariance (13, 13) of the states of `FieldModel` after a step, in SI units squared.
 
     Args:
         covariance: (13, 13) before the step.
-        transition: (13, 13) derivative of the states by those before.
+        transition: (13, 13) derivative of the states after the step by the states before it.
         added: (13,) variances that the step adds.
     """
     out = transition @ covariance @ transition.T
@@ -226,16 +232,16 @@ def carried(covariance: FloatArray, transition: FloatArray, added: FloatArray) -
 def corrected(
     mean: FloatArray, covariance: FloatArray, rows: FloatArray, residual: FloatArray, variance: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return mean (13,) and covariance (13, 13) of the states after readings, in SI units.
+    """Return mean (13,) and covariance (13, 13) of the states of `FieldModel` after readings, in SI units.
 
-    By Joseph's form, which keeps the covariance positive.
+    The update uses Joseph's form, which keeps the covariance positive.
 
     Args:
         mean: (13,) states, in SI units.
         covariance: (13, 13) of the states.
         rows: (m, 13) derivative of the readings by the states.
         residual: (m,) readings less their forecast, in their unit.
-        variance: of each reading, in its unit squared.
+        variance: variance of each reading, in its unit squared.
     """
     spread = covariance @ rows.T
     seen = rows @ spread

@@ -9,7 +9,7 @@ REFERENCE_CURVATURE = 0.5  # [1/m], the curvature at which `FieldNoise.turn_slip
 
 
 class FieldNoise(NamedTuple):
-    """One-sigma errors of wheels, gyro and GNSS outdoors."""
+    """Noise model of wheels, gyros and GNSS outdoors; errors are given by their standard deviations."""
 
     roughness: float = math.radians(2.5)
     """Roll and pitch of the base, in [rad]."""

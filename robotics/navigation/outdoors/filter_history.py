@@ -11,7 +11,9 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class FilterRequest(Enum):
-    """A request made between two steps."""
+    """Request to the filter between two of its steps: to mark the moment for the smoother, or to set the
+    origin.
+    """
 
     MARK = "mark"
     ORIGIN = "origin"
@@ -29,7 +31,7 @@ class FilterMoment(NamedTuple):
 
 
 class FixResult(NamedTuple):
-    """Result of updating the filter with a fix."""
+    """Result of updating the filter with a GNSS fix: whether it was used, and its likelihood."""
 
     believed: bool
     log_likelihood: float

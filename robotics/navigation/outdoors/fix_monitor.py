@@ -16,11 +16,12 @@ RECOVERY_FIX_COUNT = 5  # fixes in a row that must be good before one is believe
 
 
 class FixMonitor:
-    """Test of a filter's innovations against their covariance, for single fixes and for sums of fixes.
+    """Detector of implausible GNSS fixes, by a filter's innovations: fixes minus their predictions.
 
-    A reflection may shift each fix by less than the error of a single fix. Each fix then passes, but their
-    sum does not, because the innovations of a correct filter have zero mean. From then on fixes are doubted,
-    until several in a row are where the filter predicts them without fixes.
+    Single fixes and sums of fixes are tested. If signals are reflected, each fix may be shifted by less than
+    the error of a single fix. Each fix then passes the test, but their sum does not, because the innovations
+    of a correct filter have zero mean. From then on all fixes are rejected, until several in a row agree with
+    the filter's prediction.
     """
 
     STATE: ClassVar = {"_sums": list[FloatArray], "_doubted": list[FloatArray], "doubting": bool}
@@ -34,17 +35,18 @@ class FixMonitor:
         """True while fixes are rejected until proved right."""
 
     def suspects(self, residual: FloatArray, covariance: FloatArray) -> int:
-        """Take in a fix; return how many of the latest fixes are implausible, counted back from this one.
+        """Test a fix; return how many of the latest fixes are implausible, counted back from this fix.
 
-        If several are, they are forgotten, and all fixes are doubted until `cleared` returns True.
+        If several are implausible, they are discarded, and all fixes have to be rejected until `cleared`
+        returns True.
 
         Args:
             residual: (2,) this fix minus its prediction, along x and y of the field's frame, in [m].
             covariance: (2, 2) expected covariance of the residual, in [m²].
 
         Returns:
-            0 if none is; 1 if this fix is implausible by itself; otherwise the length of the run
-                of fixes up to this one whose summed residuals are the least plausible.
+            0 if none is implausible; 1 if this fix is implausible by itself; otherwise the length of the run
+                of fixes, up to this fix, whose summed residuals are the least plausible.
         """
         white = whitened(residual, covariance)
         if float(white @ white) > MAX_SQUARED_SIGMAS:
@@ -62,12 +64,13 @@ class FixMonitor:
         return count
 
     def cleared(self, residual: FloatArray, forecast: FloatArray, variance: float) -> bool:
-        """Take in a fix while fixes are doubted; return True if the doubt is over, which resets the monitor.
+        """Test a fix while all fixes are rejected; return True if fixes are plausible again, which resets the
+        monitor.
 
         Args:
             residual: (2,) fix minus its prediction, along x and y of the field's frame, in [m].
-            forecast: (2, 2) covariance of the prediction, which is common to all doubted fixes, in [m²].
-            variance: white variance of a fix along each axis, in [m²].
+            forecast: (2, 2) covariance of the prediction, whose error is common to all these fixes, in [m²].
+            variance: variance of a fix's white noise along each axis, in [m²].
         """
         self._doubted.append(residual)
         del self._doubted[:-RECOVERY_FIX_COUNT]
@@ -83,17 +86,18 @@ class FixMonitor:
         return True
 
     def reset(self) -> None:
-        """Discard the residuals and doubts so far."""
+        """Discard the residuals so far, and accept fixes again."""
         self.doubting = False
         self._sums, self._doubted = [], []
 
 
 def whitened(residual: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Return a residual (2,) in sigmas, without unit, by the lower Cholesky factor of its covariance.
+    """Return a residual (2,) divided by the lower Cholesky factor of its covariance: its covariance is then
+    1.
 
     Args:
-        residual: (2,) in [m].
-        covariance: (2, 2) in [m²].
+        residual: (2,) residual of a fix, in [m].
+        covariance: (2, 2) covariance of the residual, in [m²].
     """
     a = math.sqrt(covariance[0, 0])
     b = covariance[1, 0] / a

@@ -33,12 +33,13 @@ MIN_WEIGHT = 1e-130  # of a weight: two hours of good fixes bring it back
 
 
 class GpsFilter(FieldLocalizer):
-    """Localizer with several noise hypotheses at once, each weighted by the likelihood of the fixes under it.
+    """Outdoor localizer by several Kalman filters with different noise models, weighted by the fixes'
+    likelihoods.
 
-    Multiple-model estimation (Magill, 1965): a filter with a single noise model reports a covariance which
-    that model allows, even if the world differs. Here the given noise model is by far the most likely one
-    before the first reading; fixes that another hypothesis explains better raise the weight of that one.
-    Pose and covariance are those of the mixture.
+    This is multiple-model estimation (Magill, 1965). A filter with a single noise model reports too small a
+    covariance if the real noise is different. Here each noise model is a hypothesis. The given one has by far
+    the largest weight at the start; fixes that are more likely under another hypothesis raise the weight of
+    that hypothesis. Pose and covariance are those of the weighted mixture.
     """
 
     REST_PERIOD: ClassVar[float] = 1.0
@@ -121,14 +122,14 @@ class GpsFilter(FieldLocalizer):
 
     @property
     def heading_known(self) -> bool:
-        """True if the heading was given, or has been found."""
+        """True if the heading was given at the start, or has been found from fixes since then."""
         return not self._searching
 
     @property
     def meanwhile(self) -> Belief | None:
-        """Mean (3,) and covariance (3, 3) of the mixture of all headings; None once the heading is known.
+        """Pose estimated from the mixture of all headings; None once the heading is known.
 
-        x, y in the field's frame in [m], heading in [rad].
+        It has a mean (3,) and a covariance (3, 3) of x, y in the field's frame in [m] and heading in [rad].
         """
         if not self._searching:
             return None
@@ -162,7 +163,10 @@ class GpsFilter(FieldLocalizer):
         return self._mixed([filter_.mark() for filter_ in self.filters])
 
     def smoothed(self) -> list[Belief]:
-        """Return the beliefs at the marked moments by all readings so far; none without a record."""
+        """Return the states at all marked moments, estimated from all readings so far, also later ones.
+
+        The list is empty if no data were recorded.
+        """
         each = [one.smoothed() for one in self.filters]
         return [self._mixed(list(moment)) for moment in zip(*each, strict=True)]
 

@@ -26,7 +26,7 @@ BIAS_MEMORY_S = 20.0  # [s] over which a gyro's bias is averaged at rest: longer
 
 
 class Advance(NamedTuple):
-    """Motion since the last step of the filter, by wheels and vertical gyro."""
+    """Motion of the base since the last step of the filter, measured by wheels and vertical gyro."""
 
     forward: float
     """Level travel over ground, in [m]; negative backwards."""
@@ -43,11 +43,12 @@ class Advance(NamedTuple):
 
 
 class GyroOdometry:
-    """Odometry by wheel travel along the attitude from the gyros, whose drift is cancelled in each stop.
+    """Odometry by the wheels' travel and the attitude from the gyros, whose bias is measured at each stop.
 
-    At rest the gyros' mean is their bias, gravity gives roll and pitch, and the heading is constant. A
-    base is at rest when its accelerometers have been quiet for half a second and its wheels have been
-    still, or have crept while the vertical gyro read only its bias. The distance crept counts as travel.
+    At rest the gyros' mean is their bias, gravity gives roll and pitch, and the heading is constant. A base
+    is at rest if its accelerometers have been quiet for half a second and its wheels have not moved. It is
+    also at rest if its wheels have moved very slowly while the vertical gyro read only its bias; that
+    distance counts as travel.
     """
 
     STATE: ClassVar = {"_state": FloatArray, "_felt": FloatArray, "_seen": FloatArray}
@@ -93,11 +94,12 @@ class GyroOdometry:
 
     @property
     def pending(self) -> float:
-        """Time since the last `take`, in [s]."""
+        """Time since the last call of `take`, in [s]."""
         return float(self._state[15])
 
     def update(self, rates: FloatArray, accelerations: FloatArray, wheels: FloatArray, dt: float) -> None:
-        """Take in one period's readings; a reading that isn't finite is replaced by the one before.
+        """Update the odometry by one period's readings; a reading that isn't finite is replaced by the
+        reading before.
 
         Args:
             rates: (3,) angular velocities in the base's axes, in [rad/s].
@@ -108,7 +110,7 @@ class GyroOdometry:
         _update(self._state, self._felt, self._seen, rates, accelerations, wheels, dt, self._euler)
 
     def take(self) -> Advance:
-        """Return the motion since the last call."""
+        """Return the motion since the last call of this method, and start to sum up again."""
         sums = self._state[12:18].tolist()
         self._state[12:18] = 0.0
         return Advance(*sums)

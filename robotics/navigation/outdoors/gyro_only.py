@@ -12,7 +12,9 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class GyroOnly(GpsFilter):
-    """Gyro odometry as Ohki et al. (2012) have it, with an honest covariance; fixes are not looked at."""
+    """Localizer by wheels and gyros alone, as in Ohki et al. (2012), with a covariance; it ignores GNSS
+    fixes.
+    """
 
     TAKES_FIXES: ClassVar = False
 

@@ -39,11 +39,13 @@ _BIAS_ROW = np.array([[1.0 if state in (BIAS, WARM_UP) else 0.0 for state in ran
 
 
 class HeadingBank:
-    """Filters with headings all around, weighted by the fixes' likelihoods (multiple models, Magill, 1965).
+    """Search for an unknown heading by several Kalman filters, weighted by the fixes' likelihoods (Magill,
+    1965).
 
-    Each heading has an extended Kalman filter with all states of `FieldModel`. So a slow error of the fixes
-    cancels between fixes that are near in time, and a gyro's bias, slipping wheels and late fixes are found
-    out at the same time. Meanwhile the base's pose is the mixture of all: about the middle of the fixes.
+    The filters start with headings in all directions. Each estimates all states of `FieldModel`, so that also
+    a slow error of the fixes, a gyro's bias, slip of the wheels and late fixes are taken into account. Until
+    the heading is known, the base's pose is that of the weighted mixture of all filters, which is near the
+    middle of the fixes.
     """
 
     STATE: ClassVar = {
@@ -79,11 +81,11 @@ class HeadingBank:
         self.begin(start, start_position)
 
     def begin(self, start: Pose2, start_position: float) -> None:
-        """Begin at a place that is known to `start_position` [m] an axis, with any heading.
+        """Start again at a known place with an unknown heading.
 
         Args:
             start: world_T_base; its heading is the first one that is tried.
-            start_position: sigma in [m].
+            start_position: standard deviation of the position along each axis, in [m].
         """
         turn = 2.0 * math.pi / HEADING_COUNT
         mean, spread = self._model.start(np.array(start), start_position)
@@ -95,7 +97,10 @@ class HeadingBank:
 
     @property
     def belief(self) -> Belief:
-        """Mean (13,) and covariance (13, 13) of the mixture, in SI units, the heading near the likeliest."""
+        """Mean (13,) and covariance (13, 13) of the mixture of all filters, in SI units.
+
+        The mean heading is not wrapped; it is within pi of the most likely filter's heading.
+        """
         best = self._means[int(np.argmax(self._weights))]
         away = self._means - best
         away[:, 2] = (away[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
@@ -104,18 +109,22 @@ class HeadingBank:
 
     @property
     def pose(self) -> Pose2:
-        """world_T_base; its heading means little before it is known."""
+        """Pose world_T_base of the mixture; its heading is not usable until it is known (`is_known`)."""
         x, y, heading = self.belief.mean[:3].tolist()
         return Pose2(x, y, wrap(heading))
 
     def is_known(self, sigma: float) -> bool:
-        """Return whether the heading is known to `sigma` [rad], after `MIN_FIXES` fixes or more."""
+        """Return whether the heading's standard deviation is at most `sigma`, in [rad], after at least
+        `MIN_FIXES` fixes.
+        """
         if self._fixes < MIN_FIXES or self._odd > 0.5 * MAX_ODD:
             return False
         return float(self.belief.covariance[2, 2]) <= sigma**2
 
     def advance(self, advance: Advance) -> None:
-        """Take in one step of wheels and gyros."""
+        """Predict all filters by one step of wheels and gyros, and correct the gyro's bias by its readings at
+        rest.
+        """
         new_leg = self._rested and advance.rest < advance.time
         self._rested = advance.rest > 0.0
         self._speed = advance.forward / advance.time
@@ -131,11 +140,11 @@ class HeadingBank:
     def fix(self, position: FloatArray, sigma: float, odometry: GyroOdometry) -> float:
         """Update with a fix, and return the logarithm of its likelihood.
 
-        If most of the latest fixes fit no heading, begin again at this one.
+        If most of the latest fixes are implausible for all headings, the search starts again at this fix.
 
         Args:
             position: (2,) position of the antenna in the field's frame, in [m].
-            sigma: standard deviation of its white error along each axis, in [m].
+            sigma: standard deviation of the fix's white noise along each axis, in [m].
             odometry: pose by wheels and gyros alone, used for the tilt.
         """
         variance = sigma**2

@@ -20,7 +20,7 @@ ODOMETRY_ERROR_RATIO = 0.02  # of the way: error of the odometry itself
 
 
 class FoundTrack(NamedTuple):
-    """Pose of the robot according to the fixes."""
+    """Pose of the robot computed from rejected fixes, with its covariance."""
 
     pose: Pose2
     covariance: FloatArray
@@ -28,10 +28,11 @@ class FoundTrack(NamedTuple):
 
 
 class LostTrack:
-    """Comparison of the shape of the odometry's track with that of the fixes refused in a row.
+    """Detector of a lost filter, which compares the track of rejected fixes with the track of the odometry.
 
-    A wrong heading shows as soon as the robot moves: the fixes lie on the odometry's track, but turned about.
-    A shift without a turn is what a reflection looks like too: it is believed only after `patience` fixes.
+    If the filter's heading is wrong, the fixes have the shape of the odometry's track, but are turned. This
+    shows as soon as the robot moves. A shift without a turn may also come from a reflection, and is used only
+    after `patience` fixes.
     """
 
     STATE: ClassVar = {"_patience": int, "_tracks": list[tuple[float, ...]]}
@@ -43,32 +44,34 @@ class LostTrack:
         self._tracks: list[tuple[float, ...]] = []
 
     def take(self, reckoned: Pose2, position: FloatArray, believed: bool) -> None:
-        """Record a fix.
+        """Record a fix together with the pose by odometry.
 
         Args:
             reckoned: pose by odometry alone when the fix was received, in the field's frame.
-            position: (2,) of the base by the fix, in the field's frame, in [m].
+            position: (2,) position of the base by the fix, in the field's frame, in [m].
             believed: True if the filter used the fix.
         """
         self._tracks.append((*reckoned, float(position[0]), float(position[1]), float(believed)))
         del self._tracks[:-MAX_REVIEWED_FIXES]
 
     def doubt(self, count: int) -> None:
-        """Count the last `count` believed fixes as refused from now on."""
+        """Mark the last `count` of the used fixes as rejected."""
         for k in range(len(self._tracks) - 1, -1, -1):
             if count > 0 and self._tracks[k][5]:
                 self._tracks[k] = (*self._tracks[k][:5], 0.0)
                 count -= 1
 
     def found(self, sigma: float, estimate: Pose2, heading_sigma: float) -> FoundTrack | None:
-        """Return a pose that explains the refused fixes better than the estimate; None without one.
+        """Return a pose that fits the rejected fixes better than the filter's estimate; None if there is
+        none.
 
-        It needs `MIN_REVIEWED_FIXES` refused in a row. After a result all fixes are forgotten.
+        At least `MIN_REVIEWED_FIXES` fixes in a row have to be rejected before. If a pose is returned, all
+        recorded fixes are discarded.
 
         Args:
             sigma: standard deviation of a fix along each axis, in [m].
-            estimate: pose by the filter now, in the field's frame.
-            heading_sigma: standard deviation of its heading, in [rad].
+            estimate: present pose by the filter, in the field's frame.
+            heading_sigma: standard deviation of the estimate's heading, in [rad].
         """
         tracks = np.array(self._tracks)
         believed = np.flatnonzero(tracks[:, 5])

@@ -21,7 +21,7 @@ GROUND_SHARES = (
 
 
 class NoiseHypothesis(NamedTuple):
-    """Hypothesis on the noise: one way in which the world may differ from the given noise model."""
+    """Hypothesis that the real noise of GNSS and ground is that of another noise model than the given one."""
 
     noise: FieldNoise
     share: float
@@ -32,8 +32,9 @@ class NoiseHypothesis(NamedTuple):
     """
 
     def may_become(self, other: NoiseHypothesis) -> bool:
-        """Return True if a world that so far fits this hypothesis may turn out to fit the other, worse
-        one.
+        """Return True if readings that fit this hypothesis so far may later fit the other hypothesis.
+
+        That is so if the other noise model is different, and in no respect has smaller errors.
         """
         here, there = _badness(self.noise), _badness(other.noise)
         return here != there and all(a <= b for a, b in zip(here, there, strict=True))
@@ -44,9 +45,10 @@ def _badness(noise: FieldNoise) -> tuple[float, float, float]:
 
 
 def noise_hypotheses(given: FieldNoise) -> list[NoiseHypothesis]:
-    """Return each GNSS condition combined with each ground, the given one first and worse ones later.
+    """Return the hypotheses: each GNSS condition combined with each condition of the ground.
 
-    In all of them the delay of fixes has a sigma of `MAX_FIX_DELAY_S` or more.
+    The given noise model comes first, worse conditions later. In all of them the delay of fixes has a
+    standard deviation of at least `MAX_FIX_DELAY_S`.
     """
     given = given._replace(gps_delay=max(given.gps_delay, MAX_FIX_DELAY_S))
     found: list[NoiseHypothesis] = []

@@ -21,7 +21,7 @@ from .lost_track import LostTrack
 
 
 class ParticleErrors(NamedTuple):
-    """One-sigma errors that the filter assumes; the paper gives only `gps`."""
+    """Standard deviations that the particle filter assumes; Ohki et al. (2012) give only `gps`."""
 
     forward: float = 0.10
     """Relative error of each step's length."""
@@ -42,13 +42,14 @@ class ParticleErrors(NamedTuple):
 
 
 class ParticleFilter(FieldLocalizer):
-    """Particle filter with six phases, 1,024 particles, and ten steps a second.
+    """Particle filter for the pose of a base outdoors, after Ohki et al. (2012).
 
-    Without a new fix, the paper goes back to the prediction without a new average; this filter averages
-    in every step. Headings are averaged on the circle. The paper's unusual jumps are fixes beyond five
-    sigmas of their own and of the particles' (see `FixMonitor`). Beyond the paper, fixes that are off
-    together are rejected too; rejected fixes that agree with each other and with the odometry restart it
-    (see `LostTrack`); and it starts without a heading, with particles of all headings.
+    It has 1,024 particles and makes ten steps a second. Some things differ from the paper. Particles are
+    averaged in every step, also without a new fix. Headings are averaged on the circle. A fix counts as an
+    unusual jump if it is off by more than five sigmas of fix and particles together. A series of fixes with a
+    common error is rejected as well (see `FixMonitor`). If rejected fixes agree with each other and with the
+    odometry, the filter starts again from them (see `LostTrack`). Without a known heading it starts with
+    particles of all headings.
     """
 
     STATE: ClassVar[Mapping[str, Any]] = {
@@ -100,7 +101,7 @@ class ParticleFilter(FieldLocalizer):
 
     @property
     def heading_known(self) -> bool:
-        """True if the headings of the particles agree within the filter's sigma."""
+        """True if the spread of the particles' headings is small enough for the heading to count as known."""
         return bool(self._covariance[2, 2] <= self._heading_sigma**2)
 
     @property
@@ -110,7 +111,11 @@ class ParticleFilter(FieldLocalizer):
 
     @property
     def dice(self) -> tuple[int, int, int, int]:
-        """State of the random numbers: two numbers of 128 bits, and 32 bits that may be left over."""
+        """State of the random generator PCG64, to continue the same random numbers after a checkpoint.
+
+        It consists of state and increment (128 bits each), 1 if a 32-bit number is left over, and that
+        number.
+        """
         state = self._rng.bit_generator.state
         return state["state"]["state"], state["state"]["inc"], state["has_uint32"], state["uinteger"]
 

@@ -10,13 +10,15 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 def aligned_spread(errors: FloatArray, targets: FloatArray) -> FloatArray:
-    """Return the standard deviations (2,) of placement errors in x and y, in [m].
+    """Return the standard deviations (2,) of placement errors in x and y, in [m], as Ohki et al. (2012)
+    define them.
 
-    Defined as by Ohki et al. (2012): axes turned so that the first and the last deployed point lie in the
-    direction of their targets, errors relative to their mean. So they are precision, not accuracy.
+    The placed points are first turned so that the line from the first to the last of them has the direction
+    of the line between their targets. Errors are then taken relative to their mean. So the result is
+    precision, not accuracy.
 
     Args:
-        errors: (n, 2) deployed points less their targets, in [m].
+        errors: (n, 2) placed points less their targets, in [m].
         targets: (n, 2) in the same frame, in [m].
     """
     laid = targets + errors
@@ -28,10 +30,12 @@ def aligned_spread(errors: FloatArray, targets: FloatArray) -> FloatArray:
 
 
 def nees(errors: FloatArray, covariances: FloatArray) -> FloatArray:
-    """Return the normalized squared errors (n,), without unit: 2 on average if the covariances are honest.
+    """Return the squared errors (n,) normalized by their covariances, without unit.
+
+    They are 2 on average if the covariances are right.
 
     Args:
-        errors: (n, 2) in [m].
-        covariances: (n, 2, 2) in [m²].
+        errors: (n, 2) errors in x and y, in [m].
+        covariances: (n, 2, 2) estimated covariance of each error, in [m²].
     """
     return np.asarray(np.einsum("ni,nij,nj->n", errors, np.linalg.inv(covariances), errors))

@@ -11,7 +11,9 @@ from handcart.robotics.numerics.compiled import compiled
 
 
 class Sky(NamedTuple):
-    """GNSS condition: one of the ways in which the error of fixes may have changed."""
+    """Possible GNSS condition at a fix: the error of fixes is unchanged, or has jumped, with its
+    likelihood.
+    """
 
     transition: FloatArray | None
     """Transition (13, 13) of the states; None if the error did not change."""
@@ -37,11 +39,11 @@ class Sky(NamedTuple):
         """Return the GNSS condition after a possible change of the states, with the likelihood of a fix.
 
         Args:
-            transition: (13, 13) of the change; None: no change.
-            spread: (13, 13) covariance of the states after it, in SI units.
+            transition: (13, 13) transition matrix of the change; None: no change.
+            spread: (13, 13) covariance of the states after the change, in SI units.
             rows: (2, 13) derivative of a fix by the states.
             residual: (2,) fix less its forecast, in [m].
-            variance: of the fix along each axis, in [m²].
+            variance: variance of the fix along each axis, in [m²].
             log_share: logarithm of the change's probability.
         """
         whole, log_likelihood = _innovation(spread, rows, residual, variance)
@@ -50,11 +52,11 @@ class Sky(NamedTuple):
 
 @compiled
 def leapt(covariance: FloatArray, jump: float) -> FloatArray:
-    """Return the covariance (13, 13) of the states after the GNSS error jumped to any value.
+    """Return the covariance (13, 13) of the states after a jump of the GNSS error to an unknown value.
 
     Args:
-        covariance: (13, 13) before, in SI units.
-        jump: sigma of the jump along each axis, in [m].
+        covariance: (13, 13) of the states before the jump, in SI units.
+        jump: standard deviation of the jump along each axis, in [m].
     """
     out = covariance.copy()
     for state in (GPS_X, GPS_Y):
@@ -66,11 +68,11 @@ def leapt(covariance: FloatArray, jump: float) -> FloatArray:
 
 @compiled
 def log_normal(residual: FloatArray, covariance: FloatArray) -> float:
-    """Return the logarithm of a normal density with mean zero.
+    """Return the logarithm of the normal density of a residual, with mean zero and given covariance.
 
     Args:
-        residual: (2,) in [m].
-        covariance: (2, 2) in [m²].
+        residual: (2,) residual, in [m].
+        covariance: (2, 2) of the residual, in [m²].
 
     Raises:
         ValueError: the covariance is not positive definite.

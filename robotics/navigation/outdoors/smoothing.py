@@ -24,7 +24,7 @@ class _Link(NamedTuple):
 
 
 class Entries(NamedTuple):
-    """Size of a record at one moment."""
+    """Size of a `TrackRecord` at one moment, to which it can be rewound."""
 
     starts: int
     links: int
@@ -32,10 +32,10 @@ class Entries(NamedTuple):
 
 
 class TrackRecord:
-    """Record of a Kalman filter's run at some marked moments, from which these are smoothed.
+    """Record of a Kalman filter's run, from which the filter's states at marked moments are smoothed.
 
-    Readings between two of them are combined as they come, so a record grows with the number of marked
-    moments, not with time.
+    Readings between two marked moments are combined when they come, so the record grows with the number of
+    marked moments, not with time.
     """
 
     STATE: ClassVar = {
@@ -54,7 +54,9 @@ class TrackRecord:
         self._starts = 0
 
     def start(self) -> None:
-        """Note that the filter starts or restarts: later readings do not change earlier moments."""
+        """Record that the filter starts or restarts, after which readings do not change earlier moments any
+        more.
+        """
         if self._starts:
             self._over.append(self._smoothed())
         self._starts, self._links, self._latest = self._starts + 1, [], None
@@ -73,24 +75,26 @@ class TrackRecord:
             covariance: (n, n) of the present states before the readings.
             rows: (m, n) derivative of the readings by the states.
             residual: (m,) readings less their forecast, in their unit.
-            variance: of each reading, in its unit squared.
+            variance: variance of each reading, in its unit squared.
         """
         if self._latest is not None:
             self._latest = self._latest.corrected(covariance, rows, residual, variance)
 
     def correct_either(self, branches: Sequence[BeliefBranch], rows: FloatArray, variance: float) -> None:
-        """Record an update before which the states may have changed in one of several ways.
+        """Record a filter update by readings, if the states may have changed in one of several ways before.
 
         Args:
-            branches: the ways, each with its weight, transition, residual and covariance.
+            branches: possible changes, each with its weight, transition, residual and covariance.
             rows: (m, n) derivative of the readings by the states.
-            variance: of each reading, in its unit squared.
+            variance: variance of each reading, in its unit squared.
         """
         if self._latest is not None:
             self._latest = self._latest.corrected_either(branches, rows, variance)
 
     def mark(self, now: Belief) -> None:
-        """Mark this moment for smoothing; `now` is the filter's present belief."""
+        """Mark this moment, for which `smoothed` shall return a belief; `now` is the filter's present
+        belief.
+        """
         if self._latest is not None:
             self._links.append(_Link(self._latest, now))
         self._latest = WatchedMoment.of(now)
@@ -101,13 +105,15 @@ class TrackRecord:
         return Entries(self._starts, len(self._links), self._latest)
 
     def rewind(self, entries: Entries) -> None:
-        """Discard the entries that came after `entries`, of the same run."""
+        """Reset the record to an earlier size; the filter must not have restarted since then."""
         if entries.starts != self._starts:
             raise ValueError("a record can't be rewound to before the filter's restart")
         self._links, self._latest = self._links[: entries.links], entries.latest
 
     def smoothed(self) -> list[Belief]:
-        """Return the beliefs at the marked moments, in order, by all readings before and after them."""
+        """Return the beliefs at all marked moments, in order, each estimated from the readings before and
+        after it.
+        """
         return [belief for run in (*self._over, self._smoothed()) for belief in run]
 
     def _smoothed(self) -> list[Belief]:

@@ -12,16 +12,17 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 def plan_car_route(
     start: Pose2, goal: Pose2, discs: FloatArray, room: float, radius: float
 ) -> CarPath | None:
-    """Return the shortest path of a car that was found, or None.
+    """Return a short path of a car past obstacles; None if none is found.
 
-    Only discs that a path meets are considered: a path that is the shortest past some of them and meets
-    none of the others is the shortest past all.
+    The search begins without obstacles and adds only those discs that the found path meets. The result is as
+    short as if all discs had been considered from the start.
 
     Args:
         start: world_T_base at the start.
         goal: world_T_base at the goal.
         discs: (n, 3) x, y and radius of each obstacle in the world, in [m].
-        room: distance of the base's centre from each disc, in [m]; less where it starts nearer to one.
+        room: distance of the base's centre from each disc, in [m]; less for a disc to which the start is
+            nearer.
         radius: radius of the turning circle, in [m].
     """
     discs = np.asarray(discs, dtype=np.float64).reshape(-1, 3)

@@ -31,10 +31,10 @@ WINDOW_MARGIN_M = 2.0  # from a window's border, that a part of a route on it ke
 
 
 class FarPlanner:
-    """Planner of routes on a large map at the price of a small one.
+    """Planner of routes on a large map, which is fast because it uses larger cells.
 
-    Larger cells are occupied where any of theirs is, so that a route on them is free. Narrow passages may be
-    closed on them: if no route is found here, there may still be one.
+    A larger cell is occupied if any of the map's cells in it is, so a route over larger cells is free. Narrow
+    passages may be closed by larger cells, so there may be a route although this planner finds none.
     """
 
     def __init__(self, grid: GridMap, shape: Footprint, radius: float, half: float) -> None:
@@ -58,14 +58,14 @@ class FarPlanner:
     ) -> Generator[None, None, FloatArray | None]:
         """Return the points (n, 2) of a route on the map, in [m]; None if none was found.
 
-        A generator of steps, each about as long as building a Voronoi graph. The beginning of the
-        route leads to where larger cells have room, and is not checked.
+        It is a generator: each step takes about as long as building a Voronoi graph. The first part of the
+        route leads to larger cells with enough room; it is not checked for obstacles.
 
         Args:
             start: map_T_base.
             goal: map_T_base at the goal.
-            front: (2, 2) ends of a front on the map, in [m], before which the robot is to be; None:
-                the goal has no front.
+            front: (2, 2) ends of a straight front on the map, in [m], in front of which the robot has to
+                stop; None: the goal has no front.
             sensed: (n, 2) points on the map that are avoided as well, in [m].
         """
         graph = self._graph_with(sensed, start)
@@ -99,12 +99,14 @@ class FarPlanner:
 
 
 def split(route: FloatArray, window: GridMap, radius: float) -> int:
-    """Return how many of a route's first points are planned on a window: up to one with room around it.
+    """Return how many of a route's first points are to be planned again within a window of the map.
+
+    The last of them has enough room around it.
 
     Args:
-        route: (n, 2) on the map, in [m]; it begins in the window.
-        window: part of the map, with what was sensed.
-        radius: of the footprint, in [m].
+        route: (n, 2) points of the route on the map, in [m]; the route begins in the window.
+        window: part of the map, with the sensed obstacles.
+        radius: radius of the footprint, in [m].
     """
     inside = is_within(window, route, WINDOW_MARGIN_M)
     count = len(route) if inside.all() else int(np.argmin(inside))

@@ -22,10 +22,11 @@ WHOLE_PERIOD_S = 10.0  # between two searches on all cells of the map, which tak
 
 
 class FarReplanner:
-    """Decision whether to keep a route or to take another one, on a window of a large map.
+    """Planner on a large map that decides whether to keep a route or to take another one.
 
-    The rest of the route is that of `FarPlanner`. Where no way leads on within the window, another far route
-    is looked for, and in the end one on all cells of the map, because larger cells close narrow passages.
+    Only the part of the route within a window around the robot is checked; the rest is a route of
+    `FarPlanner`. If no way leads on within the window, another far route is searched. If there is none, a
+    route is searched on all cells of the map, because larger cells close narrow passages.
     """
 
     def __init__(
@@ -74,10 +75,10 @@ class FarReplanner:
             sensed: (n, 2) obstacle points sensed anywhere on the map, in [m].
             start: current map_T_base.
             goal: map_T_base at the goal.
-            front: (2, 2) ends of a straight front on the map, in [m], before which the robot is to be; None:
-                the goal has no front.
+            front: (2, 2) ends of a straight front on the map, in [m], in front of which the robot has to
+                stop; None: the goal has no front.
             route: (n, 2) rest of the old route on the map, from the robot on, in [m]; None: no old route.
-            lead: length at the beginning of the old route that a new one shares, in [m].
+            lead: length of the old route, from the robot on, that a new route has to keep, in [m].
             better: True to look for a better route although the old one is free.
             time: current time, in [s]; a search on all cells of the map runs only every `WHOLE_PERIOD_S`,
                 unless nothing else leads to a decision.

@@ -13,15 +13,15 @@ from handcart.robotics.numerics.compiled import compiled
 def way_in(
     free: BoolArray, squares: BlockedSquares, spot: FloatArray, reach: int, need: float
 ) -> tuple[int, int]:
-    """Return the nearest free cell that a spot can reach without coming nearer to blocked cells.
+    """Return the nearest free cell to which a straight line from a point keeps the clearance `need`.
 
-    If no cell can be reached that way (in a corner's bend, say), return the one with the clearest line to
-    it.
+    If there is no such cell, for example in a corner, return the cell whose line to the point has the largest
+    clearance.
 
     Args:
         free: (h, w) cells whose centres have the room needed.
         squares: blocked squares of the map.
-        spot: (2,) row and column in [cells], on the map and in no blocked cell.
+        spot: (2,) row and column of the point, in [cells], on the map and in no blocked cell.
         reach: largest distance of the cell, in [cells].
         need: clearance of the line to the cell, in [cells].
 
@@ -91,19 +91,21 @@ def in_sight(
     edges: int = 4,
     tried: int = 400,
 ) -> IntArray:
-    """Return the cells where a cell can join the graph: on the nearest few edges in line of sight.
+    """Return the cells of a Voronoi graph that can be reached from a given cell by a straight line.
+
+    There is one for each of the nearest few edges.
 
     Args:
         squares: blocked squares of the map.
         need: clearance of the line to the graph, in [cells].
         cells: (c, 2) cells of the graph.
         edge_of: (c,) number of the edge of each cell.
-        cell: row and column of the cell that joins, free.
+        cell: row and column of the given cell, which is free.
         edges: number of different edges to find.
         tried: number of nearest cells to examine before examining all.
 
     Returns:
-        (k,) indices into `cells`, nearest first; empty if none is in sight.
+        (k,) indices into `cells`, nearest first; empty if no cell can be reached.
     """
     away = (cells[:, 0] - cell[0]) ** 2 + (cells[:, 1] - cell[1]) ** 2
     if len(away) > tried:
@@ -125,10 +127,11 @@ def cheapest_nodes(
     goal_cost: FloatArray,
     limit: float,
 ) -> tuple[int, float, IntArray]:
-    """Run Dijkstra's search from many starts to many goals.
+    """Return the cheapest path through a Voronoi graph from any of many starts to any of many goals
+    (Dijkstra).
 
     The next node is searched linearly among all open ones: a Voronoi graph has a few hundred nodes, and a
-    heap would take longer to compile than it saves. All costs are prices of `EdgeTable`, in one unit.
+    heap would take longer to compile than it saves. All costs are in the unit of the prices of `EdgeTable`.
 
     Args:
         slots: (2e,) edges at all nodes, one node after the other, each as 2 * edge + (0 or 1, its end there).
@@ -140,8 +143,8 @@ def cheapest_nodes(
         limit: upper bound; a path with a higher total is ignored.
 
     Returns:
-        The last node (-1 if no path is below the limit), the total, and for each node (n,) the slot of the
-        edge that leads back from it (-1 where the path begins).
+        The last node of the path (-1 if no path is below the limit), its total cost, and for each node (n,)
+        the slot of the edge that leads back towards the start (-1 where the path begins).
     """
     back = np.full(len(start_cost), -1, dtype=np.int64)
     done = np.zeros(len(start_cost), dtype=np.bool_)

@@ -14,13 +14,13 @@ from handcart.robotics.numerics.compiled import compiled
 def line_price(price: SingleArray, start: FloatArray, end: FloatArray, limit: float) -> float:
     """Return the price of a straight line between two positions; infinity if it is above `limit`.
 
-    The grid is read once for each cell of length. The line is not checked for obstacles.
+    The price is sampled once for each cell of length. The line is not checked for obstacles.
 
     Args:
         price: (h, w) price of a line of one cell's length, at each cell.
         start: (2,) row and column, in [cells]; cell centres are at whole numbers.
         end: (2,) row and column, in [cells].
-        limit: price above which the line is of no interest.
+        limit: price above which infinity is returned.
     """
     rows, columns = end[0] - start[0], end[1] - start[1]
     length = math.sqrt(rows * rows + columns * columns)

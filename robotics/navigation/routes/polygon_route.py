@@ -23,7 +23,9 @@ LEAVING_M = 0.35  # at both ends, where the polygon may have less room
 
 
 class RouteSettings(NamedTuple):
-    """Settings for planning a route: clearance, reach of its ends, and rounding."""
+    """Settings for planning a route: room beside the robot, tolerance of start and goal, and rounding of
+    corners.
+    """
 
     room: float
     """Room beside the footprint, in [m]."""
@@ -40,13 +42,15 @@ def polygon_routing(
     goal: tuple[float, float],
     settings: RouteSettings,
 ) -> Generator[None, None, Route | None]:
-    """Return a route along which a polygon, at the heading of travel, has room; None if none is found.
+    """Return a route along which a polygonal robot, turned in the direction of travel, has room; None without
+    one.
 
     The search is a generator of steps; each takes about as long as building a Voronoi graph.
 
-    A route for the inscribed disc is rounded if the polygon passes it that way, and left with its corners
-    otherwise. Where the polygon passes neither way, the spot is closed and another route is looked for.
-    Where none is found, the polygon is led straight through the middle of narrow places.
+    First a route is planned for the disc inside the polygon, and its corners are rounded. If the polygon does
+    not fit along it, the route with its corners is tried. If the polygon fits along neither, the narrow place
+    is closed, and another route is planned. If there is none, routes that pass narrow places straight through
+    their middle are tried.
 
     Args:
         grid: the map; unknown cells count as blocked.

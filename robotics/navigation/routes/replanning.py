@@ -31,7 +31,7 @@ USUAL_SPEED_M_S = 0.6  # of robots whose corners have the usual length
 
 
 class RouteLook(NamedTuple):
-    """Decision on a route, by the map and what was sensed."""
+    """Decision on a route: whether to keep it or take another one, and how much of it is free."""
 
     kind: Literal["kept", "new", "none"]
     """Decision: keep the old route, take another one, or none leads to the goal."""
@@ -46,10 +46,10 @@ class RouteLook(NamedTuple):
 
 
 class Replanner:
-    """Decision whether to keep a route or to take another one.
+    """Planner that decides whether to keep a route or to take another one.
 
-    A free route is kept unless another one costs less than `WORTH_RATIO` of it, so that two ways of about the
-    same cost do not alternate.
+    A free route is kept unless the cost of another one is less than `WORTH_RATIO` of its cost. So the robot
+    does not alternate between two routes of about the same cost.
     """
 
     def __init__(
@@ -85,16 +85,16 @@ class Replanner:
         lead: float = 0.0,
         better: bool = True,
     ) -> RouteLook:
-        """Decide on the route from here.
+        """Decide whether to keep the old route to a goal or to take a new one.
 
         Args:
-            grid: the map with what was sensed.
+            grid: the map with the sensed obstacles.
             start: map_T_base.
             goal: map_T_base at the goal.
-            front: (2, 2) ends of a front on the map, in [m], before which the robot is to be, as in
-                `Ways.to`.
+            front: (2, 2) ends of a straight front on the map, in [m], in front of which the robot has to
+                stop, as in `Ways.to`; None: the goal has no front.
             route: (n, 2) rest of the old route, from the robot on, on the map, in [m]; None: no old route.
-            lead: length of the old route that stays the beginning of another one, in [m].
+            lead: length of the old route, from the robot on, that a new route has to keep, in [m].
             better: True to look for another route although the old one is free.
         """
         return finish(self.looking(grid, start, goal, front, route, lead, better))
@@ -181,11 +181,12 @@ class Replanner:
 
 
 def free_length(grid: GridMap, route: FloatArray, least: float) -> tuple[float, tuple[float, float] | None]:
-    """Return how much of a route is free, in [m], and the first point that is not; None if all of it is.
+    """Return the length of a route's free beginning, in [m], and the first point that is not free, None
+    without one.
 
     Args:
-        grid: the map with what was sensed.
-        route: (n, 2) on the map, in [m], at least two points.
+        grid: the map with the sensed obstacles.
+        route: (n, 2) points of the route on the map, in [m], at least two.
         least: distance that the robot's centre needs from obstacles, in [m].
     """
     return _Driven(route, grid, blocked_squares(grid.blocked)).free(least, None)

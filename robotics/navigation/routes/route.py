@@ -84,7 +84,7 @@ def plan_route(
     rounding: float = 1.0,
     passes: int = CORNER_ROUNDING_PASSES,
 ) -> Route | None:
-    """Return a short route that keeps away from obstacles; None if none exists.
+    """Return a short route through a Voronoi graph, which keeps away from obstacles; None if none exists.
 
     Args:
         graph: Voronoi graph of the map.
@@ -92,7 +92,7 @@ def plan_route(
         goal: position on the map, in [m]; a heading is ignored.
         reach: distance that start and goal may be outside the free space, in [m].
         least: minimum clearance of the route, in [m]; None is returned for a route with less.
-        rounding: length of corners, as a multiple of the usual one.
+        rounding: length over which corners are rounded, as a multiple of the usual length.
         passes: number of passes that round the corners.
     """
     ends = [_join(graph, (point[0], point[1]), reach) for point in (start, goal)]

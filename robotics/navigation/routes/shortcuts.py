@@ -48,7 +48,7 @@ def path_length(path: FloatArray) -> float:
 def sampled(path: FloatArray, spacing: float) -> FloatArray:
     """Return a path with points inserted, so that neighbours are at most a spacing apart.
 
-    Repeated points are dropped.
+    Repeated points are removed.
 
     Args:
         path: (n, 2) in any one unit.
@@ -81,17 +81,18 @@ def _evenly(path: FloatArray, spacing: float) -> IntArray:
 def straightened(
     price: SingleArray, haste: float, squares: BlockedSquares, need: float, path: FloatArray
 ) -> FloatArray:
-    """Return the corners (k, 2) of the cheapest chain of straight lines between samples of a path, in
-    [cells].
+    """Return the corners (k, 2), in [cells], of the cheapest chain of straight lines between samples of a
+    path.
 
-    Found by dynamic programming. Each line keeps `need` from blocked squares; where not even the next
-    sample can be reached by a line, the path itself is followed between the two, point by point.
+    The chain is found by dynamic programming. Each line keeps the clearance `need` from blocked squares.
+    Where not even two successive samples can be joined by such a line, the path is followed from one to the
+    other, point by point.
 
     Args:
         price: (h, w) price of a line of one cell's length, at each cell.
         haste: price that is added for each cell of length.
         squares: blocked squares of the map.
-        need: clearance of every line, in [cells]; the path's own stretches have it.
+        need: clearance of every line, in [cells]; the path itself has it.
         path: (n, 2) row and column, in [cells].
     """
     path = sampled(path, SAMPLE_SPACING_CELLS)
@@ -146,14 +147,16 @@ def _leaps(
 
 @compiled
 def around_corners(free: BoolArray, squares: BlockedSquares, need: float, way: IntArray) -> FloatArray:
-    """Return a path (m, 2), in [cells], with a neighbouring free cell inserted if a step over a corner is too
-    narrow.
+    """Return a path (m, 2), in [cells], in which diagonal steps that pass a blocked corner too closely are
+    replaced.
+
+    Each such step leads over a neighbouring free cell instead.
 
     Args:
         free: (h, w) cells whose centres have the room needed.
         squares: blocked squares of the map.
         need: clearance that a step must have, in [cells].
-        way: (n, 2) row and column of cells; stretches that are longer than a step have the clearance.
+        way: (n, 2) row and column of the path's cells; lines longer than one step have the clearance already.
     """
     path = np.empty((2 * len(way), 2))
     count = 0
@@ -178,15 +181,15 @@ def rounded(
 ) -> FloatArray:
     """Return an evenly sampled path (n, 2) with rounded corners and the same ends, in [cells].
 
-    Each sample moves towards the middle of its neighbours, unless a stretch to one of them would then keep
-    less than `need`, or less than all of the path did.
+    Each sample moves towards the middle of its neighbours, unless the line to one of them would then have
+    less clearance than `need`, or less than the least clearance of the path.
 
     Args:
         squares: blocked squares of the map.
         need: clearance to keep, in [cells].
         path: (n, 2) row and column, evenly sampled, in [cells].
         rounds: number of passes over the samples.
-        roomy: clearance, in [cells], up to which a sample keeps what it had.
+        roomy: clearance, in [cells], up to which a sample does not lose any of its own clearance.
     """
     smooth = path.copy()
     tight = np.inf

@@ -66,7 +66,7 @@ def _theta_star(
 def shortest_path(free: BoolArray, start: IntArray, goal: IntArray) -> IntArray | None:
     """Return the corners (k, 2) of a nearly shortest path between two cells, or None if none exists.
 
-    The path is that of a point: it stays within free cells, but may touch their border or corners.
+    The robot counts as a point: the path stays within free cells, but may touch their border or corners.
 
     Args:
         free: (h, w) cells that the path may use.
@@ -89,7 +89,7 @@ def shortest_clear_path(
     Args:
         free: (h, w) cells at whose centres the path may bend.
         squares: blocked squares of the map.
-        need: distance of every spot of the path from blocked squares, in [cells].
+        need: least distance of the path from blocked squares, in [cells].
         start: (2,) row and column, free.
         goal: (2,) row and column, free.
     """

@@ -20,7 +20,9 @@ LINK_COUNTS = np.array([code.bit_count() for code in range(256)], dtype=np.uint8
 
 
 class SkeletonTrace(NamedTuple):
-    """Edges of a skeleton as runs of cells, each as row * width + column."""
+    """Graph of a skeleton: nodes, and edges as sequences of cells, each cell given as row * width +
+    column.
+    """
 
     nodes: IntArray
     """(n,) cells that are a node: ends, junctions, lone cells, and one cell of each plain loop."""
@@ -97,13 +99,14 @@ def _walk_all(
 
 
 def link(skeleton: BoolArray) -> tuple[IntArray, ByteArray]:
-    """Return the cells of a skeleton, and the links between them.
+    """Return the cells of a skeleton (lines one cell wide), and the links between neighbouring cells.
 
     Args:
         skeleton: (h, w) mask, False all along the border.
 
     Returns:
-        The cells (n,) as flat indices, and links (h * w,): bit k is set for a link along step k.
+        The cells (n,) as flat indices, and links (h * w,): bit k is set if a cell is linked to its k-th
+        neighbour.
     """
     cells = np.flatnonzero(skeleton).astype(np.int64)
     links = np.zeros(skeleton.size, dtype=np.uint8)
@@ -112,7 +115,7 @@ def link(skeleton: BoolArray) -> tuple[IntArray, ByteArray]:
 
 
 def trace(cells: IntArray, links: ByteArray, width: int) -> SkeletonTrace:
-    """Return the nodes and edges of a skeleton; `links` is left as it was.
+    """Return the nodes and edges of a skeleton; `links` is not changed.
 
     Args:
         cells: (n,) flat indices of the skeleton's cells.
@@ -130,9 +133,10 @@ def trace(cells: IntArray, links: ByteArray, width: int) -> SkeletonTrace:
 
 
 def prune_leaves(cells: IntArray, links: ByteArray, width: int, touching: BoolArray) -> IntArray:
-    """Cut the edges from a junction to a leaf that touches an obstacle, and return the remaining cells.
+    """Remove the edges of a skeleton that end at an obstacle, and return the remaining cells.
 
-    One pass only: an edge that becomes a leaf by it leads into a dead-end room.
+    Each of them leads from a junction to a leaf, an end of the skeleton, that touches an obstacle. There is
+    only one pass: an edge that becomes a leaf by this removal leads into a dead-end room, and stays.
 
     Args:
         cells: (n,) flat indices of the skeleton's cells.

@@ -19,10 +19,12 @@ MAX_ROOM_M = 0.1  # beyond which room is not measured
 def swept_room(
     grid: GridMap, shape: Footprint, points: FloatArray, heading: float | None = None
 ) -> FloatArray:
-    """Return the least room (n,) beside a polygon that drives along a route, turns included, in [m].
+    """Return the least room (n,), in [m], between a polygonal robot and blocked cells as it drives along a
+    route.
 
-    Room is measured to blocked cells, each with a disc of its own size; negative where they overlap, and
-    `MAX_ROOM_M` at most.
+    There is one value for each point of the route, which includes the turn there. A blocked cell is taken as
+    a disc of the cell's size. The room is negative where the robot would overlap a cell, and at most
+    `MAX_ROOM_M`.
 
     Args:
         grid: the map; unknown cells and everything beyond the map count as blocked.
@@ -40,10 +42,11 @@ def swept_room(
 
 
 def travel_headings(points: FloatArray) -> FloatArray:
-    """Return the heading of travel (n,) at each point of a route, in [rad], without jumps.
+    """Return the heading of travel (n,) at each point of a route, in [rad], unwrapped so that it does not
+    jump.
 
     Args:
-        points: (n, 2) on the map, in [m].
+        points: (n, 2) points of the route on the map, in [m].
     """
     if len(points) < 2:
         return np.zeros(len(points))

@@ -32,7 +32,9 @@ PATH_SPACING_M = 0.05  # [m] between points of a path
 
 
 class CarPath(NamedTuple):
-    """A path that a car can drive forward, and how far it backs before and after."""
+    """Path that a car can drive forwards, and the distances that it drives backwards before and after the
+    path.
+    """
 
     poses: FloatArray
     """(n, 3) x, y in [m], heading in [rad], in the frame of start and obstacles."""
@@ -66,16 +68,16 @@ class _Line(NamedTuple):
 
 
 def car_path(start: Pose2, goal: Pose2, discs: FloatArray, radius: float) -> CarPath | None:
-    """Return the shortest path of a car past discs that was found, or None.
+    """Return a short path of a car past discs; None if none is found.
 
-    If a car would have to circle, or has no path forwards, also try backing first, and driving past the
-    goal and backing there.
+    If there is no path forwards, or only one with a full circle, the car may also drive backwards before the
+    path, or drive past the goal and then backwards to it.
 
     Args:
         start: world_T_base at the start.
         goal: world_T_base to reach, with its heading.
-        discs: (n, 3) x, y and radius of obstacles in the world, in [m], grown by what the body needs to
-            either side.
+        discs: (n, 3) x, y and radius of obstacles in the world, in [m], grown by the room that the car's body
+            needs to either side.
         radius: radius of the car's turning circle, in [m].
     """
     discs = np.asarray(discs, dtype=np.float64).reshape(-1, 3)
@@ -120,11 +122,12 @@ def _forward(
 
 
 def shortest_detour(start: FloatArray, goal: FloatArray, discs: FloatArray) -> float:
-    """Return the length of the shortest path from point to point past discs, in [m]; infinity if none exists.
+    """Return the length, in [m], of the shortest path between two points past discs; infinity if there is
+    none.
 
     Args:
-        start: (2,) in the frame of the discs, in [m].
-        goal: (2,) in the frame of the discs, in [m].
+        start: (2,) first point, in the frame of the discs, in [m].
+        goal: (2,) last point, in the frame of the discs, in [m].
         discs: (n, 3) x, y and radius, in [m].
     """
     discs = np.asarray(discs, dtype=np.float64).reshape(-1, 3)

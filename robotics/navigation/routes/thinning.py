@@ -53,7 +53,9 @@ REMOVABLE_TABLE = _removable_table()
 
 
 def neighbour_steps(width: int) -> IntArray:
-    """Return the offsets (8,) of a cell's neighbours in the flat array of a map; step k + 4 is the way back.
+    """Return the offsets (8,) of a cell's neighbours in the flat array of a map.
+
+    The step with number k + 4 (modulo 8) is opposite to step k.
 
     Args:
         width: width of the map, in [cells].
@@ -126,11 +128,14 @@ def _peel(
 
 
 def thin(free: BoolArray, distance: SingleArray) -> BoolArray:
-    """Return the skeleton (h, w) of the free cells: a mask, exact in topology and centred by distance.
+    """Return the skeleton of the free cells as a mask (h, w).
+
+    The skeleton is one cell wide, has the same connections and holes as the free cells, and runs through
+    their middle by the distance to obstacles.
 
     Args:
         free: (h, w) mask, False all along the border.
-        distance: (h, w) to the nearest obstacle, in [cells].
+        distance: (h, w) distance of each cell to the nearest obstacle, in [cells].
     """
     levels = int(float(distance.max(initial=0.0)) * LEVELS_PER_CELL) + 2
     flat = np.ascontiguousarray(distance).ravel()

@@ -29,7 +29,7 @@ TOUCH_DISTANCE_CELLS = 2.0
 
 
 class EdgeTable:
-    """The graph's edges as flat arrays, because objects would slow the searches down.
+    """Edges of a Voronoi graph as flat arrays, because objects would slow down searches.
 
     Attributes:
         nodes: (n, 2) cells, row and column.
@@ -38,9 +38,9 @@ class EdgeTable:
         ends: (e, 2) node numbers of the two ends.
         along: (c,) length along the edge up to each cell, in [cells].
         edge_of: (c,) number of the edge that a cell belongs to.
-        length: (e,) in [cells].
-        price_along: (c,) like `along`, each step times the price of its cell; `BLOCKED_PRICE` more behind a
-            step over a corner that is too narrow.
+        length: (e,) length of each edge, in [cells].
+        price_along: (c,) like `along`, with each step multiplied by the price of its cell; a step over a
+            corner that is too narrow adds `BLOCKED_PRICE`.
         price: (e,) price of each complete edge.
         slots: (2e,) edges at all nodes, one node after the other, each as 2 * edge + (0 or 1, its end there).
         slot_first: (n + 1,) node i has slots[slot_first[i]:slot_first[i + 1]].
@@ -77,13 +77,12 @@ class EdgeTable:
 
 @dataclass(frozen=True, eq=False)
 class VoronoiGraph:
-    """Ways through the middle of the free space.
+    """Graph of the ways through the middle of a map's free space, on which routes are searched.
 
-    Its topology is that of the free component it was built in: one component, and as many independent cycles
-    as the rest of the map (everything outside that component, the world beyond the border included) has
-    components, less one. Free cells are connected over corners (8), the rest over sides only (4). Where two
-    free cells share nothing but a corner and the robot doesn't fit between what is blocked beside it, the
-    graph's edge has a `BLOCKED_PRICE`: no route takes it.
+    The graph covers one connected area of free cells, in which it is connected too, with one independent
+    cycle around each obstacle inside the area. Free cells are connected also over corners, blocked cells only
+    over sides. Two free cells that share only a corner may leave too little room for the robot between the
+    blocked cells there. The graph's edge then has a `BLOCKED_PRICE`, so that no route uses it.
     """
 
     map: GridMap
@@ -103,15 +102,15 @@ class VoronoiGraph:
 
     @cached_property
     def graph(self) -> nx.MultiGraph:
-        """Graph for networkx, all on the map in [m].
+        """The graph as an object of the library networkx, with positions on the map in [m].
 
-        Nodes have a `point` (x, y), edges `points` (k, 2), a `length` and the least `clearance`.
+        Nodes have a `point` (x, y). Edges have `points` (k, 2), a `length` and the least `clearance`.
         """
         return _network(self.map, self.edges, self.clearance)
 
     @property
     def dearest(self) -> float:
-        """Price of a path for each unit of its length where a robot of this radius just fits."""
+        """Highest price of a path for each unit of its length, which applies where the robot just fits."""
         return float(max(self.radius, self.map.resolution) ** -CLEARANCE_EXPONENT)
 
     @property
@@ -128,12 +127,14 @@ class VoronoiGraph:
 def voronoi_graph(
     grid: GridMap, radius: float, seed_point: tuple[float, float] | None = None
 ) -> VoronoiGraph:
-    """Build the graph for a robot of `radius`.
+    """Return the Voronoi graph of a map for a disc-shaped robot: the ways through the middle of the free
+    space.
 
     Args:
-        grid: unknown cells and everything beyond the map count as obstacles.
+        grid: map; unknown cells and everything beyond the map count as obstacles.
         radius: robot's radius, in [m]; obstacles are grown by it.
-        seed_point: (x, y) in [m] in (or nearest to) the free component to take; the largest one if None.
+        seed_point: (x, y) in [m]; the graph is built in the connected free area at or nearest to this point;
+            None: in the largest area.
 
     Raises:
         ValueError: no cell is left free for a robot of this radius.
@@ -157,11 +158,13 @@ def voronoi_graph(
 
 
 def room_price(clearance: SingleArray, resolution: float) -> SingleArray:
-    """Return the price (h, w) of a path for each unit of its length, at each clearance, without unit.
+    """Return the price (h, w), for each cell, of a path per unit of its length, without unit.
+
+    The price is lower where there is more room, so that the cheapest route keeps away from obstacles.
 
     Args:
         clearance: (h, w) distance of cells from obstacles, in [m].
-        resolution: side of a cell, in [m]; clearances below count as this.
+        resolution: side of a cell, in [m]; smaller clearances count as this.
     """
     price: SingleArray = np.maximum(clearance, np.float32(resolution)) ** np.float32(-CLEARANCE_EXPONENT)
     return price

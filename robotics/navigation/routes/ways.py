@@ -86,7 +86,11 @@ class Way(NamedTuple):
 
 
 def narrowest_room(grid: GridMap) -> float:
-    """Return the least room beside a polygon with which a route is planned, in [m]; below zero."""
+    """Return the least room between a polygonal footprint and obstacles with which routes are planned, in
+    [m].
+
+    It is negative: a small overlap with the squares of blocked cells is allowed.
+    """
     return -POLYGON_OVERLAP_CELLS * grid.resolution
 
 
@@ -127,12 +131,13 @@ class Ways:
         self._grown = grid.with_points(sensed, SENSED_ROOM)
 
     def to(self, goal: Pose2 | tuple[float, float], front: FloatArray | None = None) -> Way:
-        """Return the route to a goal.
+        """Return the clearance at a goal and the route to it, or the reason why there is no route.
 
         Args:
-            goal: only x and y count, in [m].
-            front: (2, 2) ends of a straight front on the map, in [m], before which the robot is to be: it
-                replaces the obstacles of the map there, and may be nearer.
+            goal: position on the map, in [m]; a heading is ignored.
+            front: (2, 2) ends of a straight front on the map, in [m], in front of which the robot has to
+                stop. It replaces the obstacles of the map there, and the robot may be nearer to it than to
+                these.
         """
         here = (goal[0], goal[1])
         if front is None:
@@ -145,16 +150,18 @@ class Ways:
         return found if found.route is not None or not found.fits else before._to(here, stands, front)
 
     def route_to(self, goal: Pose2 | tuple[float, float]) -> Route | None:
-        """Return the route to a goal without a front, faster than `to`; None, without a reason, if no route
+        """Return the route to a goal, faster than `to`, but without front and reason; None if no route
         exists.
 
         Args:
-            goal: only x and y count, in [m].
+            goal: position on the map, in [m]; a heading is ignored.
         """
         return finish(self.routing_to(goal))
 
     def routing_to(self, goal: Pose2 | tuple[float, float]) -> Generator[None, None, Route | None]:
-        """Return the route of `route_to`, as a generator; a step takes about as long as one Voronoi graph."""
+        """Return the route of `route_to`, as a generator; a step takes about as long as building a Voronoi
+        graph.
+        """
         there = (goal[0], goal[1])
         if not self._shape.is_disc:
             route = yield from polygon_routing(self._grown, self._shape, self._start, there, self._settings)
@@ -325,9 +332,13 @@ class Ways:
 
 
 def without_front(grid: GridMap, front: FloatArray) -> GridMap:
-    """Return a map on which the cells that a front (2, 2) on it, in [m], runs through are free.
+    """Return a map on which the cells along a straight front are free.
 
-    The position of the front is known more exactly than that of the cells, and is checked by itself.
+    The position of the front is known more exactly than that of the cells, and is checked separately.
+
+    Args:
+        grid: the map.
+        front: (2, 2) ends of the front on the map, in [m].
     """
     near = 0.75 * grid.resolution
     rows, columns = np.nonzero(grid.blocked)

@@ -11,10 +11,11 @@ from handcart.robotics.numerics.compiled import compiled
 def narrowest_spot(
     clearance: SingleArray, start: tuple[int, int], goal: tuple[int, int]
 ) -> tuple[int, int] | None:
-    """Return the cell (row, column) at which the way with the most room everywhere is narrowest.
+    """Return the cell (row, column) that is the narrowest place of the widest way between two cells.
 
-    Cells are added from the one with the most room on, until start and goal are connected (over corners too);
-    the last one is the narrowest (a maximum spanning tree's bottleneck; Hu, 1961).
+    Of all ways, the widest is the one whose narrowest place has the most room. Cells are added in the order
+    of their room until start and goal are connected, also over corners; the last cell is the result (Hu,
+    1961).
 
     Args:
         clearance: (h, w) distance of each cell from obstacles, in any one unit; not above zero where nothing

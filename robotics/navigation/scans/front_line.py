@@ -18,7 +18,7 @@ TUKEY_SIGMAS = 3.5
 
 
 class FrontLine(NamedTuple):
-    """A straight front in the base frame."""
+    """Straight front of an object, as a line fitted to lidar points, in the base frame."""
 
     distance: float
     """Perpendicular distance from the base's origin to the line, in [m]."""
@@ -39,9 +39,10 @@ def fit_front(
     gate: float = 0.1,
     margin: float = 0.05,
 ) -> FrontLine | None:
-    """Fit a line to the points of a front: the best of lines through two points, then Tukey's weights.
+    """Fit a line to scan points of a straight front.
 
-    Obstacles before a part of the front, and open parts, don't pull the line.
+    The best line through two of the points is improved with Tukey's weights. So obstacles in front of a part
+    of the front, and openings in it, do not displace the line.
 
     Args:
         points: (n, 2) scan points in the base frame, in [m]; several scans from one pose may be stacked.
@@ -126,12 +127,12 @@ def _front(
 
 
 def pose_from_front(pose: Pose2, front: FrontLine, segment: FloatArray) -> Pose2:
-    """Correct a pose by a front: its heading, and its place along the front's normal; the rest stays.
+    """Correct a pose by a measured front: the heading, and the position along the front's normal.
 
     Args:
-        pose: map_T_base, so good that the right front was looked at.
-        front: as fitted in the base frame.
-        segment: (2, 2) the front's two ends in the map frame, in [m].
+        pose: map_T_base, accurate enough that the front is not confused with another one.
+        front: front as fitted in the base frame.
+        segment: (2, 2) the front's two ends on the map, in [m].
     """
     along = (segment[1] - segment[0]) / np.linalg.norm(segment[1] - segment[0])
     here = np.array([pose.x, pose.y])

@@ -32,7 +32,7 @@ NORMAL_CELLS = 1.5  # sigma by which a map is blurred for its normals
 
 
 class FieldValues(NamedTuple):
-    """Values of a likelihood field at points."""
+    """Distances to surfaces that a likelihood field has at points, with their slopes."""
 
     distances: FloatArray
     """Distances (n,) in [m] of the points to the nearest surface; inf outside the map."""
@@ -41,7 +41,7 @@ class FieldValues(NamedTuple):
 
 
 class LikelihoodField:
-    """Distances to the surfaces of a map, ready for matching scans."""
+    """Likelihood field of a map: tables of the distances to its surfaces, with which scans are matched."""
 
     def __init__(self, grid: GridMap, is_drawn: bool = False) -> None:
         """Compute the field; takes roughly a millisecond for 100,000 cells.
@@ -66,9 +66,9 @@ class LikelihoodField:
     def facing(self) -> Uint16Array:
         """Distances (8, h, w) of the cells to the nearest surface that faces the sensor.
 
-        The first index k is the direction of the beam on the map, k times 45 degrees. Distances are in whole
-        steps, of which a cell has `STEPS_PER_CELL`, up to 255 cells. If the map was drawn from echoes,
-        (1, h, w): the distance to any surface.
+        The first index k is that of the beam's direction on the map, k times 45 degrees. Distances are in
+        steps of 1 / `STEPS_PER_CELL` cells, up to 255 cells. If the map was drawn from scans, the shape is
+        (1, h, w), and distances are those to any surface.
         """
         if self._is_drawn:
             return _in_steps(self.distance / np.float32(self.map.resolution))[None]
@@ -94,7 +94,8 @@ class LikelihoodField:
         return np.asarray(read_distance(self.distance, self._scaled(points)))
 
     def reading(self, points: FloatArray, sensor: tuple[float, float]) -> FieldValues:
-        """Return the distances of points to the surfaces that face a sensor, with their slopes.
+        """Return the distances of points to the nearest surfaces that face a sensor, and the slopes of these
+        distances.
 
         Args:
             points: (n, 2) on the map, in [m].
@@ -141,14 +142,14 @@ def _in_steps(cells: NDArray[np.floating[Any]]) -> Uint16Array:
 
 @compiled
 def beam_sectors(points: FloatArray, sensor: tuple[float, float], count: int) -> Int32Array:
-    """Return the index (n,) of each point's distances in `LikelihoodField.facing`, seen from a sensor.
+    """Return the first index of `LikelihoodField.facing` for each of n points, (n,), as seen from a sensor.
 
-    It is k for a beam from the sensor to the point whose direction is nearest to k times 45 degrees.
+    The index is k if the direction from the sensor to the point is nearest to k times 45 degrees.
 
     Args:
-        points: (n, 2) where beams ended, on the map, in [m].
-        sensor: x and y on the map, in [m].
-        count: length of `facing`; 1 for a map drawn from echoes, where all indices are 0.
+        points: (n, 2) end points of beams on the map, in [m].
+        sensor: x and y of the sensor on the map, in [m].
+        count: length of `facing`; 1 for a map drawn from scans, for which all indices are 0.
     """
     out = np.zeros(len(points), dtype=np.int32)
     if count == 1:
@@ -166,11 +167,12 @@ def beam_sectors(points: FloatArray, sensor: tuple[float, float], count: int) ->
 
 @compiled
 def read_distance(distance: SingleArray, at: FloatArray) -> FloatArray:
-    """Return distances (n,), in the unit of `distance`, interpolated bilinearly; infinity outside.
+    """Return distances (n,) at points, in the unit of `distance`, interpolated bilinearly; infinity outside
+    the map.
 
     Args:
         distance: (h, w) of each cell to the nearest surface, in any unit.
-        at: (n, 2) column and row; centres of cells are at whole numbers.
+        at: (n, 2) column and row of the points; centres of cells are at whole numbers.
     """
     height, width = distance.shape
     out = np.empty(len(at))
@@ -193,17 +195,18 @@ def read_field(
     at: FloatArray,
     sectors: Int32Array,
 ) -> FloatArray:
-    """Return distances to the nearest surface, their slopes, and which points are in solid cells.
+    """Return for points the distance to the nearest surface, its slopes, and whether the point is in a solid
+    cell.
 
     Args:
         facing: (k, h, w) distances in steps of 1 / `STEPS_PER_CELL` cells, as `LikelihoodField.facing`.
         occupied: (h, w) cells of the map.
         at: (n, 2) column and row of points, cell centres at whole numbers.
-        sectors: (n,) which of the k distances each point reads.
+        sectors: (n,) for each point, the index along the first axis of `facing`.
 
     Returns:
-        (n, 4): distance in [cells], its slopes along x and y, without unit, and 1 in solid cells. Outside the
-        map infinity and zeros.
+        (n, 4): distance in [cells], its slopes along x and y, without unit, and 1 in a solid cell. Outside
+        the map, infinity and three zeros.
     """
     _, height, width = facing.shape
     out = np.empty((len(at), 4))

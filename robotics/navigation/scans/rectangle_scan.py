@@ -33,7 +33,7 @@ ROUNDS = 2
 
 
 class RectangleFit(NamedTuple):
-    """A rectangle in a scan."""
+    """Pose of a rectangular object that was fitted to lidar scans, with its covariance."""
 
     pose: Pose2
     """Pose of its middle in the base frame."""
@@ -71,11 +71,11 @@ def fit_rectangle(
     covariance: FloatArray,
     sigma: float = 0.01,
 ) -> RectangleFit | None:
-    """Return a rectangle's pose; None if it isn't seen near its expected pose.
+    """Return the pose of a rectangular object by lidar scans; None if it isn't seen near its expected pose.
 
     Args:
         scans: one or more scans from one pose of the base, outside the rectangle.
-        size: of the rectangle along its x and y, in [m].
+        size: size of the rectangle along its x and y, in [m].
         expected: expected pose of its middle in the base frame; the result is within `GATE_M` and
             `MAX_TURN_RAD` of it.
         covariance: (3, 3) of the expected pose, x, y in [m] and heading in [rad].

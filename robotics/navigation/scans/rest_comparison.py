@@ -16,10 +16,11 @@ SURFACE_GAP_M = 0.3  # between neighbouring points that are on one surface, at m
 
 
 def disagreement(then: FloatArray, now: FloatArray) -> float:
-    """Return the mean robust distance of points to the surfaces of an earlier scan, 0 to 1.
+    """Return how much the points of a scan disagree with the surfaces of an earlier scan, from 0 to 1.
 
-    Distances to the lines between neighbouring points of the earlier scan are weighed as by Geman and
-    McClure, so that what has come since counts 1, however far away it is.
+    It is the mean of the points' distances to lines between neighbouring points of the earlier scan, with the
+    robust function of Geman and McClure. So a point on an object that came later counts at most 1, however
+    far away it is.
 
     Args:
         then: (n, 2) points of the earlier scan, in the order of their beams, in [m].
@@ -37,16 +38,17 @@ def disagreement(then: FloatArray, now: FloatArray) -> float:
 def share_moved(
     then: FloatArray, now: FloatArray, sensor: FloatArray, rolled: Pose2, moved: Pose2, sigma: float
 ) -> float | None:
-    """Return the share of a small motion that the ranges of the same beams show, 0 to about 1.
+    """Return which share of a small assumed motion has taken place, by the ranges of the same beams.
 
-    None if too few beams show it.
+    It is about 0 without the motion, and about 1 with it; None if the ranges of too few beams depend on the
+    motion.
 
     Args:
-        then: (n, 2) ends of the beams before, in the base frame, in [m]; NaN without an echo.
-        now: (n, 2) ends of the same beams now, in the base frame, in [m].
+        then: (n, 2) ends of the beams before the motion, in the base frame, in [m]; NaN without an echo.
+        now: (n, 2) ends of the same beams after the motion, in the base frame, in [m].
         sensor: (2,) position of the lidar in the base frame, in [m].
         rolled: then_T_now of the base by its wheels, a small motion as well.
-        moved: motion in addition to that, in the frame of the base now.
+        moved: assumed motion in addition to `rolled`, in the present base frame.
         sigma: noise of a range, in [m].
     """
     with np.errstate(invalid="ignore", divide="ignore"):

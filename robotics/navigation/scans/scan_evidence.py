@@ -37,7 +37,7 @@ MIN_SAME_DIRECTION_COSINE = 0.7  # cosine of two directions that are about the s
 
 
 class ScanEvidence(NamedTuple):
-    """Information of a scan about the direction that it determines worst."""
+    """Information of a scan about the position along the direction in which the scan determines it least."""
 
     direction: FloatArray
     """(2,) unit vector on the map."""
@@ -57,16 +57,19 @@ def weakest_evidence(
     scale: float,
     noise: float,
 ) -> ScanEvidence:
-    """Shift a scan along the direction that it determines worst, and see whether its cost rises.
+    """Return the evidence of a scan about the direction in which it determines the position least.
+
+    The scan is shifted along this direction; the evidence is the rise of the scan's cost.
 
     Args:
         grid: the map.
         facing: (k, h, w) distances of its cells to the nearest surface, as `LikelihoodField.facing`, in steps
             of 1 / `STEPS_PER_CELL` cells.
-        points: (n, 2) where beams ended, on the map, in [m].
+        points: (n, 2) end points of the beams, on the map, in [m].
         reading: values of the likelihood field at the points.
-        pose: map_T_base that fits best.
-        information: (3, 3) of the scan alone: x, y on the map and heading, in [1/m²] and [1/rad²].
+        pose: map_T_base at which the scan fits best.
+        information: (3, 3) information matrix of the scan alone: x, y on the map and heading, in [1/m²] and
+            [1/rad²].
         scale: scale of the robust cost, in [m].
         noise: sigma of a point's distance, in [m].
     """
@@ -165,27 +168,27 @@ def rises(
     lever: FloatArray,
     scale: float,
 ) -> FloatArray:
-    """Return by how much the cost of a scan rises as it is shifted along directions, forth and back.
+    """Return by how much the matching cost of a scan rises when the scan is shifted forth and back.
 
     Args:
         rays: (k, 2) unit vectors on the map.
         steps: (n,) shifts along each of them, in [m].
-        every: only each point whose number is a multiple of this counts.
+        every: only points whose number is a multiple of this are used.
         origin: lower-left corner of the map, in [m].
         resolution: side of a cell, in [m].
         facing: (k, h, w) distances of the cells to the nearest surface, as `LikelihoodField.facing`, in steps
             of 1 / `STEPS_PER_CELL` cells.
-        sectors: (m,) which of the k distances each point reads.
+        sectors: (m,) for each point, the index along the first axis of `facing`.
         points: (m, 2) of the scan on the map, in [m].
         distances: (m,) of the points to the nearest surface, in [m].
-        slopes: (m, 2) of the distances, without unit; empty if their claim is not needed.
+        slopes: (m, 2) slopes of the distances, without unit; empty if the second result is not needed.
         middle: (2,) position of the base on the map, in [m].
-        lever: (2,) turn of the heading that goes with a shift, in [rad/m].
+        lever: (2,) turn of the heading for a shift along x and along y, in [rad/m].
         scale: scale of the robust cost, in [m].
 
     Returns:
-        (k, n, 3) in [m²]: the rise as it is seen, as the slopes claim it, and that of one point on a wall
-        straight across.
+        (k, n, 3) in [m²], for each direction and shift: the actual rise, the rise expected from the slopes,
+        and the rise of a single point on a wall at right angles to the shift.
     """
     count, per = (len(points) + every - 1) // every, 1.0 / resolution
     out, before = np.zeros((len(rays), len(steps), 3)), 0.0
@@ -258,13 +261,16 @@ def _cost(square: float, scale: float) -> float:
 
 
 def confirmed(seen: ScanEvidence, before: ScanEvidence | None) -> ScanEvidence:
-    """Return a scan's evidence, with share 0 if the previous scan had none in about the same direction.
+    """Return a scan's evidence; its share is set to 0 if the previous scan does not confirm it.
 
-    Cells of a diagonal wall look like evidence in single scans, rarely in two successive ones.
+    The previous scan contradicts it by having no evidence in about the same direction.
+
+    The steps between the cells of a diagonal wall may give false evidence in a single scan, but rarely in two
+    successive ones.
 
     Args:
         seen: evidence of the current scan.
-        before: evidence of the previous scan; None if there is none: `seen` is returned as it is.
+        before: evidence of the previous scan; None if there is none, and `seen` is returned unchanged.
     """
     if before is None or before.share > 0.0:
         return seen
@@ -276,15 +282,16 @@ def confirmed(seen: ScanEvidence, before: ScanEvidence | None) -> ScanEvidence:
 
 
 def unrelated(covariance: FloatArray, seen: ScanEvidence) -> FloatArray:
-    """Return a prior's covariance (3, 3) without correlation between the worst direction and the rest.
+    """Return a prior's covariance (3, 3) without correlation between a scan's worst direction and the rest.
 
-    The direction that a scan does not determine is only about right: through such a correlation, the scan
-    would seem to determine it.
+    The worst direction is the one in which a scan does not determine the position. It is known only
+    approximately, so that with such a correlation the scan would wrongly correct the position in this
+    direction too.
 
     Args:
         covariance: (3, 3) of x, y in [m] and heading in [rad].
         seen: the scan's evidence; if its share is above 0, the scan determines all directions, and the
-            covariance is returned as it is.
+            covariance is returned unchanged.
     """
     if seen.share > 0.0:
         return covariance

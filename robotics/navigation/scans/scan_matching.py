@@ -32,7 +32,7 @@ ANNEALING_SCALES_M = (
 
 
 class ScanMatch(NamedTuple):
-    """Pose at which a scan fits the map best."""
+    """Result of matching a scan with a map: the best pose, its covariance, and measures of quality."""
 
     pose: Pose2
     """map_T_base."""
@@ -106,21 +106,23 @@ def match_scan(
     map_error: FloatArray | None = None,
     before: ScanEvidence | None = None,
 ) -> ScanMatch:
-    """Return the pose from which the scan looks like the map.
+    """Return the pose near a prior at which a scan fits the map best, with its covariance.
 
-    Points near things that may have moved (`GridMap.movable`) help to find a pose from far, and are not used
-    for its final value: neither pose nor covariance depends on where they are.
+    Points near things that may have moved (`GridMap.movable`) are used to find a distant pose, but not for
+    its final value: neither pose nor covariance depends on these points.
 
     Args:
         field: likelihood field of the map.
-        points: (n, 2) where beams ended, in the base frame, in [m].
+        points: (n, 2) end points of the beams in the base frame, in [m].
         prior: map_T_base by odometry.
         prior_covariance: (3, 3) of the prior, in [m, m, rad].
         sigma: noise of a range, in [m].
         anneal: True to start from far: up to about 0.3 m and 10 degrees off. The robust scale then shrinks
             slowly and the prior counts only at the end.
-        map_error: (3, 3) factor W of the map's share W Wᵀ in `prior_covariance`; None: zero.
-        before: evidence of the previous scan, at about the same place, which has to confirm this one's.
+        map_error: (3, 3) factor W; W Wᵀ is the part of `prior_covariance` that comes from the map's error;
+            None: zero.
+        before: evidence of the previous scan, at about the same place, which has to confirm the evidence of
+            this scan.
     """
     noise = math.hypot(sigma, CELL_SIGMA * field.map.resolution)
     final = 2.5 * noise
@@ -231,11 +233,11 @@ def descend_scan(
         facing: (k, h, w) distances to surfaces, as `LikelihoodField.facing`, in steps of
             1 / `STEPS_PER_CELL` cells.
         occupied: (h, w) cells of the map.
-        points: (n, 2) of the scan in the base frame, in [m].
-        start: (3,) pose where the descent begins.
+        points: (n, 2) points of the scan in the base frame, in [m].
+        start: (3,) pose at which the iteration begins.
         prior: (3,) expected pose.
         information: (3, 3) of the expected pose, in [1/m²] and [1/rad²].
-        direction: (2,) unit vector on the map along which the scan says less.
+        direction: (2,) unit vector on the map along which the scan has less information.
         share: share of the scan's information about the position along `direction` that is kept.
         origin: x, y of the map's lower-left cell centre, in [m].
         resolution: side of a cell, in [m].

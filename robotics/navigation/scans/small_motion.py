@@ -16,13 +16,14 @@ OUTLIER_SIGMAS = 4.0
 def small_motions(angles: FloatArray, reference: FloatArray, scans: FloatArray) -> FloatArray | None:
     """Return the motions (k, 3) of a sensor since a reference scan: x, y in [m] and heading in [rad].
 
-    They are reference_T_sensor, in the sensor frame at the reference. Each beam meets the tangent of the
-    surface that it met before: ranges change by the motion along the normal. That holds for motions of
-    millimetres.
+    They are reference_T_sensor, in the sensor frame at the time of the reference. Each beam is assumed to
+    meet the tangent of the surface at the point that it met before, so that only motion along the surface's
+    normal changes its range. This is valid for motions of millimetres.
 
     Args:
         angles: (n,) directions of the beams in the sensor frame, ascending, in [rad], a full turn or less.
-        reference: (n,) ranges of the reference, averaged over scans, in [m]; not finite where nothing is.
+        reference: (n,) ranges of the reference, averaged over scans, in [m]; not finite for beams without a
+            reading.
         scans: (k, n) ranges of the same beams in k scans, in [m].
 
     Returns:
@@ -57,14 +58,15 @@ def _solved(A: FloatArray, change: FloatArray) -> FloatArray:
 
 
 def drift(times: FloatArray, motions: FloatArray, references: int) -> FloatArray:
-    """Return smooth motions (k, 3), quadratic in time and zero at its start, next to noisy ones.
+    """Return smooth motions (k, 3) that are fitted to noisy ones: quadratic in time, and zero at the
+    reference.
 
-    The noise of the reference shifts all motions alike: it is estimated with them.
+    The noise of the reference shifts all motions by the same amount, which is estimated too.
 
     Args:
-        times: (k,) since the reference, ascending, in [s].
-        motions: (k, 3) of single scans: x, y in [m] and heading in [rad].
-        references: number of scans that the reference is the mean of.
+        times: (k,) times since the reference, ascending, in [s].
+        motions: (k, 3) motions of single scans since the reference: x, y in [m] and heading in [rad].
+        references: number of scans over which the reference was averaged.
     """
     scale = max(float(times[-1]), 1e-9)
     powers = np.column_stack([times / scale, (times / scale) ** 2, np.ones(len(times))])

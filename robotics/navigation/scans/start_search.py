@@ -33,7 +33,7 @@ CANDIDATE_COVARIANCE = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a candi
 
 
 class ScanBeams(NamedTuple):
-    """A scan by its beams."""
+    """Lidar scan, given by the angle and range of each beam in the base frame."""
 
     origin: FloatArray
     """(2,) of the sensor, in the base frame, in [m]."""
@@ -53,7 +53,9 @@ class ScanBeams(NamedTuple):
 
 
 class StartFit(NamedTuple):
-    """Result of comparing a scan with a stated start."""
+    """Result of comparing a scan with a stated start pose: how well it fits there, and whether it fits better
+    elsewhere.
+    """
 
     share: float
     """Share of the beams, 0 to 1, that the map explains from the stated start."""
@@ -72,14 +74,15 @@ class StartFit(NamedTuple):
 
     @property
     def contradicts(self) -> bool:
-        """True if another place explains the scan better than the stated start."""
+        """True if the scan fits the map clearly better at another place than at the stated start."""
         return self.other is not None
 
 
 def explained_share(field: LikelihoodField, beams: ScanBeams, pose: Pose2, noise: float) -> float:
-    """Return the share of beams, 0 to 1, that the map explains from a pose, those without a return too.
+    """Return the share of a scan's beams, 0 to 1, that agree with the map at a pose.
 
-    A beam that returns nothing contradicts a wall that the map shows within its reach.
+    A beam with an echo agrees if it ends near a surface of the map. A beam without an echo agrees if the map
+    has no surface on it within the lidar's reach.
 
     Args:
         field: likelihood field of the map.
@@ -99,13 +102,15 @@ def explained_share(field: LikelihoodField, beams: ScanBeams, pose: Pose2, noise
 
 
 def check_start(field: LikelihoodField, beams: ScanBeams, pose: Pose2, noise: float) -> StartFit:
-    """Look for another place that explains a scan better than the stated one.
+    """Search for another place where a scan fits the map better than at the stated pose, and return the
+    result.
 
-    None is looked for if the map explains `PLAIN_FIT` of the beams from there, or if few beams return.
+    Nothing is searched if the share of beams that agree with the map at the stated pose is `PLAIN_FIT` or
+    more, or if too few beams have an echo.
 
     Args:
-        field: of the map.
-        beams: of the scan.
+        field: likelihood field of the map.
+        beams: beams of the scan.
         pose: map_T_base as it was stated, and corrected by the scan.
         noise: sigma of a point's distance to the map, in [m].
     """
@@ -134,12 +139,13 @@ def check_start(field: LikelihoodField, beams: ScanBeams, pose: Pose2, noise: fl
 
 
 def map_ranges(field: LikelihoodField, sensor: Pose2, angles: FloatArray, reach: float) -> FloatArray:
-    """Return the range (n,) in [m] of each beam to what the map shows; infinity beyond the reach.
+    """Return the range (n,), in [m], at which each beam would meet a surface of the map; infinity beyond the
+    reach.
 
     Args:
         field: likelihood field of the map.
         sensor: map_T_sensor.
-        angles: (n,) of the beams, in [rad], from the sensor's heading.
+        angles: (n,) angles of the beams relative to the sensor's heading, in [rad].
         reach: largest range, in [m].
     """
     grid = field.map
@@ -183,7 +189,8 @@ def _candidates(field: LikelihoodField, points: FloatArray) -> list[Pose2]:
 
 
 def search_cells(field: LikelihoodField, headings: int, most: int) -> tuple[IntArray, float]:
-    """Return free cells (n, 2) all over a map, row and column, and their distance in [m].
+    """Return free cells (n, 2), row and column, evenly distributed over a map, and the distance between them
+    in [m].
 
     Cells are farther than `CLEAR_M` from surfaces.
 
@@ -204,9 +211,11 @@ def search_cells(field: LikelihoodField, headings: int, most: int) -> tuple[IntA
 def score_poses(
     distance: SingleArray, cells: IntArray, turns: FloatArray, points: FloatArray, scale: float
 ) -> FloatArray:
-    """Return how near the points of a scan are to surfaces (n, m), from n cells with m headings.
+    """Return scores (n, m) of a scan at poses in n cells with m headings: the higher, the nearer it is to
+    surfaces.
 
-    A point adds 1 on a surface, less with the distance, and 0 from twice `scale` on.
+    The score is a sum over the points of the scan. A point on a surface adds 1, a more distant point less,
+    and a point farther than twice `scale` nothing.
 
     Args:
         distance: (h, w) of each cell to the nearest surface, in [m].
