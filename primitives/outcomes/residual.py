@@ -111,7 +111,7 @@ class Residuals(Mapping[str, float]):
 
     @property
     def moved(self) -> Residuals:
-        """Residuals beyond their limits, without uncertainties: only these show that something moved."""
+        """Residuals beyond their limits, without uncertainties; only these show that something moved."""
         return Residuals(residual for residual in self.all if residual.is_motion)
 
     @property

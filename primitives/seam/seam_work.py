@@ -39,7 +39,7 @@ class SeamPart(NamedTuple):
 
 
 class SeamWork(NamedTuple):
-    """Progress of the work on a seam: the part that is tracked, and the parts that are still planned."""
+    """Progress of the work on a seam, with the part that is tracked and the parts that are still planned."""
 
     tracked: int = 0
     """Index of the point up to which the seam is tracked."""

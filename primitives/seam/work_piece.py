@@ -34,7 +34,7 @@ class WorkBox(FileModel):
 
 
 class WorkPiece(FileModel):
-    """Work piece to be welded, described by boxes: its own, and those of the things that it lies on."""
+    """Work piece to be welded, described by its own boxes and those of the things that it lies on."""
 
     format: Literal["handcart-work-piece/1"]
     boxes: Annotated[tuple[WorkBox, ...], Field(min_length=1)]

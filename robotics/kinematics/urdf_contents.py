@@ -20,7 +20,7 @@ INERTIA_ROUNDED = 1e-9
 
 
 class JointFacts(NamedTuple):
-    """Properties of a movable joint of a URDF: its kind, the link that it moves, and its limits."""
+    """Properties of a movable joint of a URDF, such as its kind, the link that it moves, and its limits."""
 
     name: str
     kind: str

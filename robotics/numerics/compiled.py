@@ -13,7 +13,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Fields(NamedTuple):
-    """Argument type of a compiled function: a named tuple."""
+    """Argument type of a compiled function whose argument is a named tuple."""
 
     kind: type
     """Class of the tuple."""
@@ -36,9 +36,9 @@ WAITING_LISTENERS: list[Callable[[], None]] = []
 
 
 class Kernel:
-    """A function that is compiled to machine code on its first call; compiled ones may call it, too.
+    """Function that numba compiles to machine code on its first call; other compiled functions may call it.
 
-    Its arguments are positional.
+    Its arguments have to be given by position.
     """
 
     def __init__(self, function: Callable[..., Any], options: Mapping[str, Any] | None = None) -> None:
@@ -49,8 +49,8 @@ class Kernel:
 
     @cached_property
     def dispatcher(self) -> Any:
-        """Numba's dispatcher; its machine code is cached on disk for the next process, if there is room for
-        it.
+        """Function as compiled by numba; its machine code is cached on disk for the next process, if
+        possible.
         """
         import numba
 
@@ -82,26 +82,27 @@ ALL_KERNELS: WeakSet[Kernel] = WeakSet()
 
 
 def compiled(function: Function) -> Function:
-    """Compile `function` to machine code on its first call; kept on disk for the next process."""
+    """Return `function` so that its first call compiles it to machine code, which is cached on disk."""
     return cast(Function, Kernel(function))
 
 
 def compiled_fast(function: Function) -> Function:
-    """Compile a function like `compiled`, with sums in any order and without checks for division by zero.
+    """Return `function` so that its first call compiles it, like `compiled`, but with faster arithmetic.
 
-    Infinity and NaN keep their meaning.
+    Sums may be computed in any order, and divisions by zero are not checked. Infinity and NaN keep their
+    meaning.
     """
     return cast(Function, Kernel(function, {"error_model": "numpy", "fastmath": ANY_ORDER}))
 
 
 def compiled_for(arguments: Arguments) -> Callable[[Function], Function]:
-    """Compile a slow-to-compile function with known argument types, so that another process can start on it
-    early.
+    """Return a decorator like `compiled` that also declares argument types, for functions that are slow to
+    compile.
 
-    See `compiling_ahead`.
+    With known types another process can compile the function early; see `compiling_ahead`.
 
     Args:
-        arguments: such as "(f8[:,::1], i8)".
+        arguments: types in numba's notation, such as "(f8[:,::1], i8)".
     """
 
     def compiles(function: Function) -> Function:
@@ -113,18 +114,25 @@ def compiled_for(arguments: Arguments) -> Callable[[Function], Function]:
 
 
 def compile_early(kernel: Callable[..., Any], arguments: Arguments, module: str) -> None:
-    """Let another process start early on a compiled function, wherever `module` has been imported.
+    """Declare argument types with which another process may compile a function early.
 
-    `arguments` are those of `compiled_for`. For functions that few users of their own module call.
+    It does so if `module` has been imported. This is for functions that only some users of the function's own
+    module call.
+
+    Args:
+        kernel: the compiled function.
+        arguments: argument types as for `compiled_for`.
+        module: name of the module that needs the function.
     """
     COMPILED_AHEAD.setdefault(module, []).append((cast(Kernel, kernel), arguments))
 
 
 @contextmanager
 def hearing_of_compiling(heard: Callable[[bool], None]) -> Iterator[None]:
-    """Call `heard` with True when compiling begins and with False when it ends; not for code cached on disk.
+    """Call `heard` within a context with True when compiling begins, and with False when it ends.
 
-    Numba is not imported for it: listening begins with the first kernel that is called.
+    Loading code that is cached on disk is not reported. Numba is not imported by this context manager: it
+    listens from the first call of a `Kernel` on.
     """
     ended: list[Callable[[], None]] = []
 

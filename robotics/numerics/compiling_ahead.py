@@ -18,11 +18,12 @@ MAX_HELPERS = 3  # processes besides this one
 
 @contextmanager
 def compiling_ahead() -> Iterator[None]:
-    """Let the other cores compile the modules imported last, as soon as something is compiled in this
+    """Start processes that compile declared functions on other cores, once a compilation begins in this
     context.
 
-    This process finds their results on disk when it needs them. With one core, nothing happens; if
-    processes can't be started, all is compiled here. The others end with this process, however it ends.
+    Modules imported last come first. This process finds the compiled code on disk when it needs it. With a
+    single core nothing is started; if processes can't be started, all is compiled here. The processes end
+    with this process.
     """
     begun: list[subprocess.Popen[bytes]] = []
     asked = False
@@ -45,7 +46,10 @@ def compiling_ahead() -> Iterator[None]:
 
 
 def compile_modules(modules: list[str]) -> None:
-    """Compile the functions that modules asked for by `compiled_for` or `compile_early`, the latest first."""
+    """Import modules, and compile the functions that they declared by `compiled_for` or `compile_early`.
+
+    In each module the last declared function is compiled first.
+    """
     for name in modules:
         import_module(name)
         for kernel, arguments in reversed(COMPILED_AHEAD.get(name, [])):
@@ -53,7 +57,7 @@ def compile_modules(modules: list[str]) -> None:
 
 
 def types_of(arguments: Arguments) -> tuple[Any, ...]:
-    """Return numba's types of the arguments given to `compiled_for`."""
+    """Return numba's types for argument types as they are given to `compiled_for`."""
     from numba.core.sigutils import normalize_signature
 
     if isinstance(arguments, str):

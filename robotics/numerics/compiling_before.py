@@ -12,7 +12,8 @@ from handcart.robotics.numerics.compiling_ahead import compile_modules
 def compile_before() -> int:
     """Compile the functions whose argument types are known, and load those compiled on this machine before.
 
-    Only functions of imported modules count. A rehearsal of the same task leaves nothing to be compiled.
+    Only functions of imported modules are included. If the same task was run on this machine before, nothing
+    is left to be compiled.
 
     Returns:
         The number of functions that are ready.

@@ -13,14 +13,14 @@ FREQUENCY_COUNT = 600  # at which the characteristic function is evaluated, up t
 
 
 def uniform_limits(bounds: FloatArray, sigmas: FloatArray) -> FloatArray:
-    """Return the limits (k,) of sums of uniformly distributed errors, with normally distributed noise.
+    """Return 3-sigma limits (k,) for sums of uniformly distributed errors with normally distributed noise.
 
-    The size of a sum is above its limit with the probability of 0.27 % that a normal error has beyond
-    3 sigma. The tail of each sum comes from its characteristic function (Gil-Pelaez, 1951).
+    The magnitude of a sum exceeds its limit with a probability of 0.27 %, like that of a normal error beyond
+    3 sigma. The distribution of each sum is computed from its characteristic function (Gil-Pelaez, 1951).
 
     Args:
         bounds: (k, n) largest magnitude of each error of a sum, in any one unit.
-        sigmas: (k,) sigma of the noise of each sum, in the same unit, as are the limits.
+        sigmas: (k,) standard deviation of the noise of each sum, in the same unit, as are the limits.
     """
     total = bounds.sum(axis=1)
     spread = np.maximum(np.maximum(sigmas, MIN_SIGMA_RATIO * total), 1e-12)

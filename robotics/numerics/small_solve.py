@@ -22,7 +22,7 @@ def solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
         right: (n, m) in any units.
 
     Raises:
-        ZeroDivisionError: the matrix is singular to the last bit.
+        ZeroDivisionError: the matrix is exactly singular.
     """
     left, out = matrix.copy(), right.copy()
     n, m = out.shape
@@ -50,14 +50,14 @@ def solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
 
 
 def lapack_solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
-    """Return the solution x, (n,) or (n, m), of matrix x = right: the same bits as `numpy.linalg.solve`.
+    """Return the solution x, (n,) or (n, m), of matrix x = right, identical to that of `numpy.linalg.solve`.
 
     Args:
         matrix: (n, n) in any units.
         right: (n,) or (n, m) in any units.
 
     Raises:
-        numpy.linalg.LinAlgError: the matrix is singular to the last bit.
+        numpy.linalg.LinAlgError: the matrix is exactly singular.
     """
     _, _, solution, info = dgesv(matrix, right)
     if info > 0:

@@ -99,7 +99,7 @@ class NotUpright(NamedTuple):
 
 
 class SeenTwice(NamedTuple):
-    """Error result: two tags of the same object were read at places too far apart for one object."""
+    """Error result for two tags of the same object that were read at places too far apart for one object."""
 
     apart: float
     """Distance between them, in [m]."""

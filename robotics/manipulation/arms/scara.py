@@ -20,7 +20,7 @@ ROOM_STEP = 0.005  # [m]: resolution of the reported distance
 
 
 class Scara(NamedTuple):
-    """Model of a SCARA arm with a lowerable slide: lengths, joint limits and named postures.
+    """Model of a SCARA arm with a lowerable slide, by its lengths, joint limits and named postures.
 
     Joints are theta1 from the arm's x axis to the first link, theta2 from the first link to the second, and
     the distance by which the slide is lowered. Angles are positive anticlockwise, seen from above. The elbow

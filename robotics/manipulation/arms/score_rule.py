@@ -27,7 +27,7 @@ class Measure(IntEnum):
 
 
 class ScoreRule(NamedTuple):
-    """Rule for the score of a base pose at a point: a measure, and limits on the lever of the tool's force.
+    """Rule for the score of a base pose at a point, by a measure and limits on the lever of the tool's force.
 
     The lever about each joint, in [m], has to be long enough for the tool's speed and short enough for the
     joint's torque: b_min and b_max of Shin (2005).

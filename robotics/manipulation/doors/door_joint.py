@@ -12,7 +12,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class DoorJoint(NamedTuple):
-    """Model of how a door moves: a hinge with a vertical axis, or a level slide.
+    """Model of how a door moves, by a hinge with a vertical axis or by a level slide.
 
     The frame of a handle has its origin in the middle of the handle's bar, x away from the closed door
     towards somebody in front of it, and z up.

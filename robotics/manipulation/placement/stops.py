@@ -44,7 +44,7 @@ _NO_SIGHT = "is reached only from where no landmark can be looked at"
 
 
 class Goal(NamedTuple):
-    """Task of the hand at one place: a motion of the hand, and further motions that it must be able to do."""
+    """Task of the hand at one place, a motion of the hand and further motions that it must be able to do."""
 
     work: ToolPath
     """Motion of the hand at the goal, along which a stop is scored."""

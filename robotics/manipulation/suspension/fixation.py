@@ -50,7 +50,7 @@ PAPER_RULE = StopRule(0.0005, 0.2)
 
 
 class PlannedView(NamedTuple):
-    """View of a landmark as planned, from a base at its planned pose: relation A of Hatano et al. (2000).
+    """View of a landmark as planned, from a base at its planned pose (relation A of Hatano et al., 2000).
 
     Frames of the paper: M0 is the planned base and M the actual base, 6 the hand, C the camera, P0 the
     landmark, W the world; 60 and C0 are hand and camera as planned. These are its corrected equations, which

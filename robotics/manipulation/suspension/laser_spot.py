@@ -12,7 +12,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class Rates(NamedTuple):
-    """Parameters of a `SuspensionModel` that can be computed from measured angles: all but the pivot's
+    """Parameters of a `SuspensionModel` that can be computed from measured angles, all but the pivot's
     height.
     """
 

@@ -28,7 +28,7 @@ def base_motion(yaw: float, roll: float = 0.0, pitch: float = 0.0, pivot: float 
 
 
 class SuspensionModel(NamedTuple):
-    """Model of how a base on springs moves with its arm: it yaws with each swing and tilts towards the arm.
+    """Model of a base on springs that moves with its arm; it yaws with each swing and tilts towards the arm.
 
     The yaw is the same for each move of the arm out and back.
 

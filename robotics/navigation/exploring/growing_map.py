@@ -35,7 +35,7 @@ START_KEYFRAMES = 4
 
 
 class GrowingMap:
-    """Map that is built while the robot drives, as a graph of keyframes: lidar scans with their poses.
+    """Map that is built while the robot drives, as a graph of keyframes (lidar scans with their poses).
 
     The frame of the map is that of the first pose, or of a given map that is completed.
     """

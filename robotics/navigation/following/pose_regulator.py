@@ -30,7 +30,7 @@ class _Phase(Enum):
 
 
 class PoseRegulator:
-    """Regulator that brings a base with differential drive to a nearby pose: it turns, drives, and turns
+    """Regulator that brings a base with differential drive to a nearby pose; it turns, drives, and turns
     again.
 
     A differential drive can't move sideways. So the base first turns its front or its back to the goal,

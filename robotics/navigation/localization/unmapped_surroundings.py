@@ -26,9 +26,7 @@ SHIFT_M, SHIFT_RAD = 0.05, 0.02  # by which a correction by the map makes the ke
 
 
 class UnmappedSurroundings:
-    """Localizer for scans that do not fit the map, by keyframes: earlier scans of the drive with their
-    poses.
-    """
+    """Localizer for scans that do not fit the map, by keyframes of the drive (earlier scans with poses)."""
 
     def __init__(self, field: LikelihoodField, sigma: float) -> None:
         """Begin without keyframes; `field` is that of the map, `sigma` the noise of a range in [m]."""

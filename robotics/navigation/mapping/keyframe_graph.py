@@ -43,7 +43,7 @@ def ignore_stage(words: str, share: float) -> None:
 
 
 class KeyframeGraph:
-    """Pose graph of a map: keyframes, the edges between neighbours, and the loop closures found so far."""
+    """Pose graph of a map, with keyframes, edges between neighbours, and loop closures found so far."""
 
     def __init__(self, frames: list[Keyframe], poses: list[Pose2], edges: list[Edge]) -> None:
         """Begin with one or more keyframes, their poses in the graph's frame, and edges of neighbours."""
@@ -62,7 +62,7 @@ class KeyframeGraph:
 
     @property
     def edges(self) -> list[Edge]:
-        """All edges of the graph: those between neighbouring keyframes, measured poses, and loop closures."""
+        """All edges of the graph, between neighbouring keyframes, of measured poses and of loop closures."""
         return [*self._edges, *self.loop_edges]
 
     def append(self, frame: Keyframe, pose: Pose2, match: LineMatch) -> None:

@@ -27,7 +27,7 @@ SAME_WALL_M = 0.25
 
 
 class MapComparison(NamedTuple):
-    """Result of comparing the walls of two maps: how the maps are aligned, and the distances between their
+    """Result of comparing the walls of two maps, with the alignment of the maps and distances between their
     walls.
     """
 

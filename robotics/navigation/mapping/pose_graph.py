@@ -30,7 +30,7 @@ COLUMNS_AT_ONCE = 300
 
 
 class Edge(NamedTuple):
-    """Edge of a pose graph: the measured pose of one node, such as a keyframe, in the frame of another."""
+    """Edge of a pose graph, the measured pose of one node, such as a keyframe, in the frame of another."""
 
     first: int
     """Number of the node in whose frame the other one was measured."""

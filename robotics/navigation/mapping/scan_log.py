@@ -18,7 +18,7 @@ KEYFRAME_TURN_RAD = 0.2
 
 
 class ScanLog(NamedTuple):
-    """Log of a drive: scans of one lidar in order of time, and the odometry at the time of each scan."""
+    """Log of a drive, with scans of one lidar in order of time, and the odometry at the time of each scan."""
 
     times: FloatArray
     """(n,) in [s], increasing."""

@@ -26,7 +26,7 @@ APART_RAD = math.radians(8.0)
 
 
 class Hypothesis(NamedTuple):
-    """Candidate of a search: a pose, and how well points fit a surface at it."""
+    """Candidate of a search, a pose with the score of how well points fit a surface at it."""
 
     pose: Pose2
     score: float

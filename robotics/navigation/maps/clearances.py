@@ -14,7 +14,7 @@ from handcart.robotics.numerics.compiled import compiled
 
 
 class Nearest(NamedTuple):
-    """Nearest solid cell of a map to a point: its distance, and its nearest spot."""
+    """Nearest solid cell of a map to a point, with its distance and its nearest spot."""
 
     distance: float
     """Distance to the cell's square in [m]; 0 inside of the cell, inf if the map is empty."""
@@ -23,7 +23,7 @@ class Nearest(NamedTuple):
 
 
 class Clearances:
-    """Distance queries for points on a map: how far is the nearest solid cell, which is a solid square.
+    """Distances of points on a map to the nearest solid cell; each solid cell is a solid square.
 
     Beyond the map nothing is solid, unless it is `walled`.
     """

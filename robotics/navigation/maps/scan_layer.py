@@ -20,7 +20,7 @@ REACH_M = 6.0  # farther returns are ignored: beams are sparse and the heading's
 
 
 class ScanLayer:
-    """Layer of sensed obstacles on a map, as scores of its cells: beams raise the cells in which they end.
+    """Layer of sensed obstacles on a map, by scores of its cells; beams raise the cells in which they end.
 
     Beams lower the scores of cells through which they pass. Cells that no beam meets keep their scores;
     `forget` resets those that were not hit for some time.

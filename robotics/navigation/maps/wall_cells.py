@@ -13,7 +13,7 @@ from .grid_map import GridMap
 
 
 class WallCells:
-    """Wall cells of a map: occupied cells that have a free or unknown cell among their eight neighbours."""
+    """Wall cells of a map, occupied cells that have a free or unknown cell among their eight neighbours."""
 
     def __init__(self, grid: GridMap) -> None:
         """Prepare the occupied cells of a map."""

@@ -16,7 +16,7 @@ MAX_REST_TURN_RATE = 0.002  # [rad/s] besides its bias: a faster turn is not res
 
 
 class Attitude:
-    """Estimator of a base's attitude by an inertial sensor: yaw by the gyro, roll and pitch by gravity.
+    """Estimator of a base's attitude by an inertial sensor, yaw by the gyro, roll and pitch by gravity.
 
     The gyro's bias is estimated at rest. Yaw starts at 0 and is not wrapped, because only its differences are
     used. Roll and pitch are assumed to be small, and are exact only while the base isn't accelerated.

@@ -45,7 +45,7 @@ class OdometryErrors(NamedTuple):
 
 
 class Odometry:
-    """Odometry of a differential drive: pose by the travel of its wheels, with covariance.
+    """Odometry of a differential drive, which estimates its pose by the travel of its wheels.
 
     Errors of wheel radii and tread are constant during a drive, so their effect grows with the distance, not
     with its square root. They are therefore three more estimated states. A pose that another sensor measured
@@ -113,7 +113,7 @@ class Odometry:
 
     @property
     def displacement(self) -> Belief:
-        """Motion since `set_origin`, in the frame that the base had then: x, y in [m] and heading in [rad].
+        """Motion since `set_origin` in x, y [m] and heading [rad], in the frame that the base had then.
 
         It has a mean (3,) and a covariance (3, 3). Later corrections do not change the pose at the origin, to
         which the robot may have to drive back. An error of the wheel radius cancels on a drive out and back.

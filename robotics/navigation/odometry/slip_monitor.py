@@ -13,7 +13,7 @@ MAX_FACTOR = 400.0  # of the claimed variance: 20 times its sigma
 
 
 class RolledWay(NamedTuple):
-    """Travel of a base's wheels, summed up: left side, right side, and sideways to the left, in [m]."""
+    """Travel of a base's wheels, summed up for left side, right side, and sideways to the left, in [m]."""
 
     left: float = 0.0
     right: float = 0.0

@@ -19,7 +19,7 @@ TILT_SIGMA_RAD = math.radians(0.17)  # error of an ordinary levelled acceleromet
 
 
 class FieldModel(NamedTuple):
-    """Model of a base outdoors: thirteen states, and how they change with the readings of wheels and gyro.
+    """Model of a base outdoors, by thirteen states that change with the readings of wheels and gyro.
 
     The states are, in this order: x and y in the field's frame in [m]; heading in [rad]; relative error of
     the wheels' travel, in three parts: constant, in curves (new after each change of the driving direction),

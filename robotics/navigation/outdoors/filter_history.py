@@ -11,7 +11,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class FilterRequest(Enum):
-    """Request to the filter between two of its steps: to mark the moment for the smoother, or to set the
+    """Request to the filter between two of its steps, to mark the moment for the smoother, or to set the
     origin.
     """
 
@@ -31,7 +31,7 @@ class FilterMoment(NamedTuple):
 
 
 class FixResult(NamedTuple):
-    """Result of updating the filter with a GNSS fix: whether it was used, and its likelihood."""
+    """Result of updating the filter with a GNSS fix, which states whether it was used, and its likelihood."""
 
     believed: bool
     log_likelihood: float

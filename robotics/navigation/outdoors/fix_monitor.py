@@ -16,7 +16,7 @@ RECOVERY_FIX_COUNT = 5  # fixes in a row that must be good before one is believe
 
 
 class FixMonitor:
-    """Detector of implausible GNSS fixes, by a filter's innovations: fixes minus their predictions.
+    """Detector of implausible GNSS fixes, by a filter's innovations (fixes minus their predictions).
 
     Single fixes and sums of fixes are tested. If signals are reflected, each fix may be shifted by less than
     the error of a single fix. Each fix then passes the test, but their sum does not, because the innovations

@@ -11,7 +11,7 @@ from handcart.robotics.numerics.compiled import compiled
 
 
 class Sky(NamedTuple):
-    """Possible GNSS condition at a fix: the error of fixes is unchanged, or has jumped, with its
+    """Possible GNSS condition at a fix (the error of fixes is unchanged, or has jumped) with its
     likelihood.
     """
 

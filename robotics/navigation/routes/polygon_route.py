@@ -23,7 +23,7 @@ LEAVING_M = 0.35  # at both ends, where the polygon may have less room
 
 
 class RouteSettings(NamedTuple):
-    """Settings for planning a route: room beside the robot, tolerance of start and goal, and rounding of
+    """Settings for planning a route, room beside the robot, tolerance of start and goal, and rounding of
     corners.
     """
 

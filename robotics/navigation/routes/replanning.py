@@ -31,7 +31,7 @@ USUAL_SPEED_M_S = 0.6  # of robots whose corners have the usual length
 
 
 class RouteLook(NamedTuple):
-    """Decision on a route: whether to keep it or take another one, and how much of it is free."""
+    """Decision on a route, whether to keep it or take another one, and how much of it is free."""
 
     kind: Literal["kept", "new", "none"]
     """Decision: keep the old route, take another one, or none leads to the goal."""

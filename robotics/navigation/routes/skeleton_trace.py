@@ -20,7 +20,7 @@ LINK_COUNTS = np.array([code.bit_count() for code in range(256)], dtype=np.uint8
 
 
 class SkeletonTrace(NamedTuple):
-    """Graph of a skeleton: nodes, and edges as sequences of cells, each cell given as row * width +
+    """Graph of a skeleton, nodes and edges as sequences of cells, each cell given as row * width +
     column.
     """
 

@@ -41,7 +41,7 @@ class FieldValues(NamedTuple):
 
 
 class LikelihoodField:
-    """Likelihood field of a map: tables of the distances to its surfaces, with which scans are matched."""
+    """Likelihood field of a map, tables of the distances to its surfaces, with which scans are matched."""
 
     def __init__(self, grid: GridMap, is_drawn: bool = False) -> None:
         """Compute the field; takes roughly a millisecond for 100,000 cells.

@@ -32,7 +32,7 @@ ANNEALING_SCALES_M = (
 
 
 class ScanMatch(NamedTuple):
-    """Result of matching a scan with a map: the best pose, its covariance, and measures of quality."""
+    """Result of matching a scan with a map, with the best pose, its covariance, and measures of quality."""
 
     pose: Pose2
     """map_T_base."""

@@ -53,7 +53,7 @@ class ScanBeams(NamedTuple):
 
 
 class StartFit(NamedTuple):
-    """Result of comparing a scan with a stated start pose: how well it fits there, and whether it fits better
+    """Result of comparing a scan with a stated start pose, how well it fits there, and whether it fits better
     elsewhere.
     """
 
@@ -251,15 +251,15 @@ def trace_ranges(
     resolution: float,
     reach: float,
 ) -> FloatArray:
-    """Return the ranges (n,), in [m], that the map shows from a place; infinity where it shows nothing in
+    """Return the ranges (n,), in [m], at which beams from a place meet surfaces of a map; infinity beyond the
     reach.
 
     Args:
         distance: (h, w) of each cell to the nearest surface, in [m].
         occupied: (h, w) cells of the map.
         column: column of the place, a real number, cell centres at whole numbers.
-        row: row of the place, likewise.
-        angles: (n,) directions on the map, in [rad].
+        row: row of the place, a real number, cell centres at whole numbers.
+        angles: (n,) directions of the beams on the map, in [rad].
         resolution: side of a cell, in [m].
         reach: largest range, in [m].
     """

@@ -23,7 +23,11 @@ MIN_INFORMATION = 1.0  # points: a direction with fewer is not determined by the
 
 
 def depth_shifts(field: LikelihoodField, points: FloatArray, pose: Pose2) -> FloatArray:
-    """Return the shifts of a matched position on the map if surfaces lie half a cell behind cell centres.
+    """Return how much a matched position would shift if the map's surfaces were not at the centres of their
+    cells.
+
+    The shifts are those for surfaces half a cell behind the centres, as seen from the sensor. For surfaces
+    half a cell in front of the centres, the shifts are opposite.
 
     Args:
         field: likelihood field of the map.
@@ -31,9 +35,8 @@ def depth_shifts(field: LikelihoodField, points: FloatArray, pose: Pose2) -> Flo
         pose: map_T_base that fits the scan.
 
     Returns:
-        (9, 2) along x and y of the map, in [m]; before the centres, the opposite shifts. Row 0 is for all
-        surfaces, row 1 + k for those alone whose normal towards the sensor is nearest to k times 45 degrees
-        on the map.
+        (9, 2) shifts along x and y of the map, in [m]. Row 0 is for all surfaces together, row 1 + k only for
+        surfaces whose normal towards the sensor has a direction on the map nearest to k times 45 degrees.
     """
     points = field.fixed(points, pose)
     if not len(points):

@@ -12,10 +12,10 @@ MIN_APPROACH_M = 0.005
 
 
 def unexpected_points(points: FloatArray, field: LikelihoodField, margin: float) -> FloatArray:
-    """Return the scan points that the map doesn't explain.
+    """Return the scan points at which the map shows nothing that the lidar could have met.
 
-    A point is explained by an occupied cell within `margin`, in [m], and by not lying in a free cell:
-    unknown cells may hold anything.
+    Points within `margin` of an occupied cell are left out, and points in unknown cells, which may contain
+    anything.
 
     Args:
         points: (n, 2) in the map frame, in [m].
@@ -42,16 +42,17 @@ def path_blocked(
     horizon: float,
     fewest: int = 2,
 ) -> tuple[float, FloatArray] | None:
-    """Return where along a route a robot would touch sensed points; None if nothing is in the way.
+    """Return where along a route a robot would first touch a sensed point; None if the route is free.
 
-    A point that is too near already, and from which the route only leads away, is not in the way.
+    A point is ignored if it is nearer than `radius` already at the start, and the route only leads away from
+    it.
 
     Args:
         route: (n, 2) the route ahead, from where the robot is, on the map, in [m].
         points: (m, 2) sensed points in the same frame, in [m].
-        radius: of the robot, with the wanted margin, in [m].
-        horizon: length of the route to look along, in [m].
-        fewest: number of points that must be in the way; a lone one may be noise.
+        radius: radius of the robot plus the wanted margin, in [m].
+        horizon: length of the route that is checked, in [m].
+        fewest: least number of touched points; a single one may be noise.
 
     Returns:
         How far along the route the robot's centre gets before touching, in [m], and the point (2,) that it

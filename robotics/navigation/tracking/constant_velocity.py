@@ -15,7 +15,7 @@ FAR_COST = 1e6  # of pairs beyond the gate
 def predict(
     means: FloatArray, covariances: FloatArray, dt: float, density: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return means (n, 4) and covariances (n, 4, 4) of tracks after a time.
+    """Return predicted means (n, 4) and covariances (n, 4, 4) of tracks after a time, at constant velocity.
 
     Args:
         means: (n, 4) x, y on the map in [m] and velocity in [m/s].
@@ -35,13 +35,16 @@ def predict(
 def assign(
     means: FloatArray, covariances: FloatArray, measured: FloatArray, noises: FloatArray
 ) -> list[tuple[int, int]]:
-    """Return pairs of tracks and measurements: most likely all together, each pair within the gate.
+    """Return the most likely assignment of measurements to tracks, as pairs of a track's and a measurement's
+    number.
+
+    Pairs whose distance is implausible are left out.
 
     Args:
         means: (n, 4) predicted x, y on the map in [m] and velocity in [m/s].
         covariances: (n, 4, 4) of the means, in their units.
         measured: (m, 2) positions on the map, in [m].
-        noises: (m, 2, 2) covariance of each, in [m²].
+        noises: (m, 2, 2) covariance of each measured position, in [m²].
     """
     if not len(means) or not len(measured):
         return []
@@ -59,13 +62,13 @@ def assign(
 def correct(
     means: FloatArray, covariances: FloatArray, measured: FloatArray, noises: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return means (n, 4) and covariances (n, 4, 4) of tracks after one measured position each.
+    """Return corrected means (n, 4) and covariances (n, 4, 4) of tracks, each by its own measured position.
 
     Args:
         means: (n, 4) x, y on the map in [m] and velocity in [m/s].
         covariances: (n, 4, 4) of the means, in their units.
-        measured: (n, 2) positions on the map, in [m].
-        noises: (n, 2, 2) covariance of each, in [m²].
+        measured: (n, 2) measured position of each track on the map, in [m].
+        noises: (n, 2, 2) covariance of each measured position, in [m²].
     """
     spread = covariances[:, :2, :2] + noises
     gain = covariances[:, :, :2] @ np.linalg.inv(spread)

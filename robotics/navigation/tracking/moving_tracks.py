@@ -38,7 +38,7 @@ HISTORY_LENGTH = 24  # last positions that are kept
 
 
 class BodyTrack(NamedTuple):
-    """A person or a cart."""
+    """State of a tracked person or cart, with position, velocity, covariance and size."""
 
     number: int
     position: FloatArray
@@ -85,7 +85,7 @@ class _Body:
 
 
 class TrackedScan(NamedTuple):
-    """Scan points that belong to moving bodies, and the ground that these have left."""
+    """Result of tracking a scan, its points on moving bodies and the ground that moving bodies have left."""
 
     moving: BoolArray
     """Mask (n,) of the points on people and carts that move, or rested for less than `STOOD_S`."""
@@ -110,7 +110,9 @@ class MovingTracks:
 
     @property
     def suspects(self) -> list[BodyTrack]:
-        """Return bodies that may be people: they appeared on free ground, at a speed not yet known."""
+        """Return bodies that may be people, because they appeared on free ground; their speed is not known
+        yet.
+        """
         since = self._time - SUSPECT_S
         return [
             self._track_of(body) for body in self._bodies if not body.is_person and body.entered_at >= since
@@ -128,11 +130,12 @@ class MovingTracks:
         )
 
     def take(self, points: FloatArray, scan: PastScan, pose_covariance: FloatArray) -> TrackedScan:
-        """Take in a scan.
+        """Update the tracks by a scan; return its points on moving bodies, and the ground that these have
+        left.
 
         Args:
-            points: (n, 2) echoes that the map does not explain, on the map, in the order of their beams,
-                in [m].
+            points: (n, 2) end points of beams that meet nothing shown on the map, in the map frame, in the
+                order of the beams, in [m].
             scan: all beams, with their time and the pose of the lidar.
             pose_covariance: (3, 3) of the base's pose: x, y in [m], heading in [rad].
         """

@@ -35,7 +35,7 @@ class People(NamedTuple):
 
     @classmethod
     def of(cls, tracks: Sequence[BodyTrack]) -> People:
-        """Return the people of tracks."""
+        """Return the people and carts that given tracks describe."""
         return cls(
             np.array([track.position for track in tracks]).reshape(-1, 2),
             np.array([track.velocity for track in tracks]).reshape(-1, 2),
@@ -59,11 +59,14 @@ class People(NamedTuple):
         return np.hstack([self.positions, self.velocities, self.covariances[:, [0, 0, 1], [0, 1, 1]]])
 
     def chosen(self, mask: BoolArray) -> People:
-        """Return some of the people, by a mask (p,)."""
+        """Return only the people for whom a mask (p,) is True."""
         return People(*(item[mask] for item in self))
 
     def spreads(self, times: FloatArray) -> FloatArray:
-        """Return the sigma of each predicted position (p, t) in [m], at times (t,) in [s] from now."""
+        """Return the standard deviations (p, t) of all people's predicted positions, in [m].
+
+        Args: times: (t,) times from now, in [s].
+        """
         P, t = self.covariances, times[None]
         along = [
             P[:, i, i, None] + 2.0 * t * P[:, i, i + 2, None] + t**2 * P[:, i + 2, i + 2, None]
@@ -75,18 +78,19 @@ class People(NamedTuple):
 
 
 def least_gaps(paths: FloatArray, times: FloatArray, people: People, radius: float) -> FloatArray:
-    """Return the least distance between bodies of each motion of a robot, in [m]; below 0: a contact.
+    """Return the least gaps, in [m], between a robot on some paths and people on their predicted paths.
 
-    A predicted person is larger by one sigma, by `MAX_SPREAD_M` at most.
+    A gap below 0 is a contact. The radius of a person grows by one standard deviation of the predicted
+    position, by at most `MAX_SPREAD_M`.
 
     Args:
         paths: (k, t, 2) positions of the robot on the map, in [m].
-        times: (t,) from now, in [s].
+        times: (t,) times of these positions from now, in [s].
         people: all persons.
         radius: radius of the robot's footprint, in [m].
 
     Returns:
-        (k, p) gap to each person.
+        (k, p) gap on each path to each person.
     """
     there = people.positions[:, None] + times[None, :, None] * people.velocities[:, None]
     off = paths[:, None] - there[None]
@@ -99,10 +103,10 @@ def with_people(grid: GridMap, people: People, here: FloatArray, radius: float, 
     """Return a map on which people are obstacles where they are and will be in the next `FORESEEN_S`.
 
     Args:
-        grid: the map with what was sensed.
-        people: people to lead around.
+        grid: the map with the sensed obstacles.
+        people: people around whom routes should lead.
         here: (2,) position of the robot on the map, in [m], around which nothing is drawn.
-        radius: radius of its footprint, in [m].
+        radius: radius of the robot's footprint, in [m].
         keep: distance to keep from people, in [m].
     """
     times = np.arange(0.0, FORESEEN_S + 1e-9, FORESEEN_STEP_S)

@@ -17,7 +17,7 @@ DEPTH_SHARE = 0.32  # of a round body's width, from the mean of its visible poin
 
 
 class ScanClusters(NamedTuple):
-    """Bodies of a size that people and carts have."""
+    """Groups of scan points that have the size of a person or a cart."""
 
     centres: FloatArray
     """(k, 2) estimated middles, in the frame of the points, in [m]."""
@@ -30,11 +30,12 @@ class ScanClusters(NamedTuple):
 def cluster_scan(points: FloatArray, sensor: FloatArray) -> ScanClusters:
     """Group the points of a scan into bodies.
 
-    Neighbouring points closer than `BREAK_M` are a piece; pieces that lie within `PAIR_DISTANCE_M` are a
-    body (complete linkage), so that two legs are one person and two persons side by side are two.
+    Neighbouring points closer than `BREAK_M` are joined to pieces. Pieces are joined to a body if all their
+    distances are below `PAIR_DISTANCE_M` (complete linkage). So two legs become one person, while two persons
+    side by side stay separate.
 
     Args:
-        points: (n, 2) in the order of their beams, in [m].
+        points: (n, 2) points of the scan in the order of their beams, in any one frame, in [m].
         sensor: (2,) position of the lidar in the same frame, in [m].
     """
     labels = np.full(len(points), -1, dtype=np.int64)

@@ -26,11 +26,13 @@ class PastScan(NamedTuple):
 
 
 def seen_free(points: FloatArray, past: PastScan, reach: float) -> BoolArray:
-    """Return a mask (k,) of points that a scan saw as free: beams on both sides passed by `FREE_MARGIN_M`.
+    """Return a mask (k,), True for points that were free ground in an earlier scan.
+
+    The beams on both sides of such a point ended at least `FREE_MARGIN_M` behind it.
 
     Args:
         points: (k, 2) on the map, in [m].
-        past: the scan.
+        past: the earlier scan.
         reach: distance in [m] up to which a beam without an echo counts as free.
     """
     if not len(points) or len(past.angles) < 2 * BEAMS_BESIDE + 2:

@@ -30,10 +30,9 @@ TOLERANCE_M = 0.05  # by which a faster motion may come nearer than the best one
 def safe_share(
     pose: Pose2, command: tuple[float, float], people: People, radius: float, braking: float, period: float
 ) -> float:
-    """Return the share of a command that ends before every person's predicted path.
+    """Return the share of a command at which the base stops before it comes near any person's predicted path.
 
-    In addition, the base comes to rest before a nearby person who turns back at once reaches its place of
-    rest.
+    The base also has to stop in time for a nearby person who suddenly walks towards it.
 
     Args:
         pose: map_T_base.
@@ -69,10 +68,12 @@ def safe_share(
 
 
 def yielding_speed(ahead: FloatArray, speed: float, people: People, radius: float, keep: float) -> float:
-    """Return the speed along a route that keeps a distance to people, in [m/s]; 0 means to wait.
+    """Return the speed along a route at which the robot keeps a distance to people, in [m/s]; 0 means to
+    wait.
 
-    The fastest speed that keeps the distance counts; if none does, the fastest of those that
-    keep about the largest distance. If all of them touch a person, standing counts unless motion leads away.
+    It is the highest speed that keeps the distance. If there is none, it is the highest of the speeds that
+    keep about the largest distance. If the robot would touch a person at every speed, it is 0, unless motion
+    leads away from the person.
 
     Args:
         ahead: (n, 2) route from the robot on, on the map, in [m].

@@ -37,17 +37,18 @@ def find_block(
 ) -> Pose2 | None:
     """Return plane_T_block of the top face of a block in the plane z = 0 of a frame; None if it is not found.
 
-    The face must be completely in the image, of one shade, and brighter than its surroundings; one of its
-    four edges may border on something as bright, and is then placed according to the size. A face whose
-    size is 2 mm off is not found: a lower block looks smaller, which separates blocks of one kind in
-    several layers.
+    The face must be completely in the image, of one shade, and brighter than its surroundings. At one of its
+    four edges, the surroundings may be as bright as the face; this edge is then computed from the size. A
+    face whose size is off by 2 mm is not found. A lower block looks smaller, so blocks of the same kind in
+    different layers are distinguished.
 
     Args:
         image: (h, w), grey.
         camera: model of the camera.
         camera_T_plane: (4, 4) pose of the frame.
         size: length and width of the face, in [m].
-        expected: expected plane_T_block; its x axis is along the length, within `MAX_TURN_RAD`.
+        expected: expected plane_T_block, with x along the length; the block may be turned from it by up to
+            `MAX_TURN_RAD`.
         within: largest distance of the centre from the expected one, in [m].
 
     Raises:

@@ -24,7 +24,9 @@ _LEAST_AWAY = 1.5  # [px] from an edge to the next one that is nothing of its ow
 
 
 class Steps(NamedTuple):
-    """Fitted steps of grey profiles across edges: position and height of the first step down of each."""
+    """Steps fitted to grey profiles across edges, position and height of the first decrease of grey in each
+    profile.
+    """
 
     at: FloatArray
     """Position (k,) of each step outwards from the assumed edge, in [px]."""
@@ -56,15 +58,15 @@ class _Fit(NamedTuple):
 
 
 def fit_steps(profiles: FloatArray, away: BoolArray, least: float) -> Steps:
-    """Fit a step down, or two steps where these explain a profile much better, to grey profiles across edges.
+    """Fit a step from bright to dark to grey profiles across edges, or two steps where these fit much better.
 
-    With two steps, the face under an edge is seen as a strip of few pixels, of a third shade. A strip and
-    a wide blur look alike, so the blur is taken from the edges whose lower face is turned away from the
-    camera.
+    There are two steps if the side face under an edge is seen as a strip of a few pixels, of a third shade.
+    Such a strip looks like a wide blur, so the blur is estimated from edges whose side face is turned away
+    from the camera.
 
     Args:
         profiles: (k, 21) grey levels, from 0 to 255, at `SAMPLE_POSITIONS_PX` across each of k edges.
-        away: (k,) True for edges whose lower face is turned away from the camera.
+        away: (k,) True for edges whose side face is turned away from the camera.
         least: smallest step, in grey levels.
     """
     levels = profiles.mean(axis=1, keepdims=True)

@@ -20,7 +20,7 @@ MIN_FACE_AREA_M2 = 1e-4
 
 
 class Face(NamedTuple):
-    """A bright rectangle in a plane."""
+    """Bright rectangle that was found in a plane, with its size and its difference from the expected pose."""
 
     long_side: float
     """Length of the long side, in [m]."""
@@ -37,8 +37,8 @@ def nearest_face(
 ) -> Face | None:
     """Return the bright face nearest to an expected pose in the plane z = 0 of a frame.
 
-    None if nothing bright is completely within `HALF_VIEW_M` along both axes. This is rougher than
-    `find_block`, to 2 mm, and knows no expected size.
+    None if no bright face is completely within `HALF_VIEW_M` along both axes. The result is less accurate
+    than that of `find_block`, about 2 mm, but needs no expected size.
 
     Args:
         image: (h, w), grey.

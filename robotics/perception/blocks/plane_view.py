@@ -14,9 +14,10 @@ from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 
 class PlaneView(NamedTuple):
-    """A grey image (h, w) of the plane z = 0 of a frame whose `camera_T_plane` (4, 4) is known.
+    """Grey image (h, w) of a plane, for reading the grey at points of the plane.
 
-    Points are given in the frame of a pose in that plane, in [m].
+    The plane is z = 0 of a frame whose pose `camera_T_plane` (4, 4) is known. Points are given in the frame
+    of a pose in the plane, in [m].
     """
 
     image: ByteArray
@@ -24,7 +25,7 @@ class PlaneView(NamedTuple):
     camera_T_plane: Transform
 
     def eye(self, pose: Pose2) -> FloatArray:
-        """Return the position (3,) of the camera in the frame of a pose in the plane, in [m]; z points out of
+        """Return the position (3,) of the camera, in [m], in the frame of a pose in the plane; z is normal to
         the plane.
 
         Args:
@@ -45,16 +46,17 @@ class PlaneView(NamedTuple):
         return self.camera.project(space).reshape(points.shape)
 
     def profiles(self, pose: Pose2, first: FloatArray, last: FloatArray, count: int) -> FloatArray | None:
-        """Return greys (..., count), from 0 to 255, along short lines in the plane; None if one leaves the
-        image.
+        """Return grey levels (..., count), from 0 to 255, along short lines in the plane; None if a line
+        leaves the image.
 
-        Only the ends go through the lens: between them a line of a few millimetres is straight.
+        The lens model is applied only to the ends of a line, because a line of a few millimetres stays
+        straight.
 
         Args:
             pose: pose in the plane, in whose frame the lines are.
             first: (..., 2) starts of the lines, in [m].
             last: (..., 2) ends of the lines, in [m].
-            count: number of greys along each line.
+            count: number of grey levels along each line.
         """
         ends = self.pixels(pose, np.stack([first, last]))
         height, width = self.image.shape

@@ -18,7 +18,9 @@ _ENDS = 0.08  # of an edge that is skipped at each end: the blurred corners
 
 
 class Rectangle(NamedTuple):
-    """A rectangle in a plane; its pose is plane_T_centre, x along its length."""
+    """Rectangle in a plane, such as a face of a block; its pose is plane_T_centre, with x along its
+    length.
+    """
 
     pose: Pose2
     half: FloatArray
@@ -28,7 +30,10 @@ class Rectangle(NamedTuple):
 
 
 def shares(count: int) -> FloatArray:
-    """Return `count` places along an edge, (count,) without unit: 0 in its middle, 1 and -1 at its ends."""
+    """Return `count` evenly spaced places along an edge, (count,), as shares of half its length.
+
+    0 is the middle of the edge. The first and last places are a little inside its ends, -1 and 1.
+    """
     return np.linspace(-1.0, 1.0, count) * (1.0 - 2 * _ENDS)
 
 

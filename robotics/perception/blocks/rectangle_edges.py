@@ -53,9 +53,10 @@ class _Edges(NamedTuple):
 def fit_rectangle(view: PlaneView, size: tuple[float, float], guess: Pose2) -> Pose2 | None:
     """Return plane_T_centre of a bright rectangle near a guess; None if it is not found.
 
-    The edges are lines in the plane, through points to a fraction of a pixel: lens and perspective are
-    undone by where the image is sampled, not by warping it. None if fewer than three edges are there, if
-    they aren't those of a rectangle of that size within 2 mm, or if what they enclose isn't of one shade.
+    The edges are lines in the plane, fitted to points that are measured to a fraction of a pixel. Lens and
+    perspective are corrected in the positions at which the image is sampled; the image is not warped. None if
+    fewer than three edges are found, if they aren't those of a rectangle of the size within 2 mm, or if the
+    area inside isn't of one shade.
 
     Args:
         view: image of the plane.

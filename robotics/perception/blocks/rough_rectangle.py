@@ -18,17 +18,18 @@ _SLOPES: FloatArray = np.arange(-0.045, 0.0451, 0.01)
 def rough_rectangle(
     view: PlaneView, size: tuple[float, float], guess: Pose2, within: float, least: float
 ) -> Rectangle | None:
-    """Return the rectangle near a guess that is at most 2 mm and 0.04 rad off.
+    """Return a rough estimate of a rectangle near a guess; the guess may be off by at most 2 mm and 0.04 rad.
 
-    On each side the innermost step down of `least` grey levels is taken, all sides turned alike. None if
-    fewer than three are there, or if opposite ones are not `size` apart.
+    On each side of the rectangle the innermost decrease of grey by at least `least` levels is taken; all
+    sides are assumed to be turned by the same angle. None if it is found on fewer than three sides, or if
+    opposite sides are not `size` apart.
 
     Args:
         view: image of the plane.
         size: length (along x) and width of the rectangle, in [m].
         guess: plane_T_centre of the rectangle.
         within: largest difference of a side from its size, in [m].
-        least: least height of a step, in grey levels.
+        least: least decrease of grey at an edge, in grey levels.
     """
     half, share = np.array(size) / 2, shares(_ROWS)
     reach = np.full(4, _REACH)

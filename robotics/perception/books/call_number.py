@@ -13,10 +13,11 @@ _PATTERN = re.compile(r"\s*(\d{3})(?:\s*\.\s*(\d{1,6}))?\s*([A-Z]{1,4})\s*", re.
 @total_ordering
 @dataclass(frozen=True, eq=False)
 class CallNumber:
-    """A call number: `dewey` ("512"), `decimals` as written ("7" of 512.7, may be empty), `letters` ("NAG").
+    """Call number of a book, which is ordered like books on a shelf.
 
-    Shelf order is digit by digit, so 512.15 comes before 512.7, then by letters. 512.7 and 512.70 are two
-    spellings of one number and equal.
+    Its parts are `dewey` ("512"), `decimals` as written ("7" for 512.7, may be empty) and `letters` ("NAG").
+    Decimals are compared digit by digit, so 512.15 comes before 512.7; equal numbers are ordered by their
+    letters. 512.7 and 512.70 are equal.
     """
 
     dewey: str
@@ -43,16 +44,16 @@ class CallNumber:
 
 
 def parse(text: str) -> CallNumber | None:
-    """Return the call number written in `text`, or None. Spaces and case are forgiven, anything else is
-    not.
-    """
+    """Return the call number written in `text`; None if the text is not one. Spaces and case are ignored."""
     match = _PATTERN.fullmatch(text.upper())
     return CallNumber(match[1], match[2] or "", match[3]) if match else None
 
 
 def snap(text: str, catalogue: Sequence[CallNumber], distance: int = 2) -> CallNumber | None:
-    """Return the known call number nearest to a text, at most `distance` edits away; None for a tie, or if
-    none is that near.
+    """Return the known call number nearest to a text; None if there are several, or if none is near enough.
+
+    Args: text: text as it was read. catalogue: known call numbers. distance: largest number of edits
+    (Levenshtein) between the text and a call number.
     """
     read = text.replace(" ", "").upper()
     exact = {known for known in catalogue if str(known).replace(" ", "") == read}
@@ -69,7 +70,7 @@ def snap(text: str, catalogue: Sequence[CallNumber], distance: int = 2) -> CallN
 
 
 def edit_distance(a: str, b: str, limit: int) -> int:
-    """Levenshtein's distance between two texts; anything above `limit` is given as `limit` + 1."""
+    """Return Levenshtein's distance between two texts, or `limit` + 1 if it is above `limit`."""
     if abs(len(a) - len(b)) > limit:
         return limit + 1
     row = list(range(len(b) + 1))

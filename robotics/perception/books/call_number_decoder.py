@@ -32,8 +32,10 @@ _BEAM = 12
 
 
 class Decoded(NamedTuple):
-    """A text of a call number's form. `confidence`, 0..1: its share among all call numbers that the
-    probabilities allow, times the mean (geometric) probability of its symbols.
+    """Text in the form of a call number, decoded from a recogniser's output.
+
+    `confidence`, 0 to 1, is the text's share of the probability of all possible call numbers, times the
+    geometric mean of the probabilities of its symbols.
     """
 
     text: str
@@ -41,11 +43,12 @@ class Decoded(NamedTuple):
 
 
 class CallNumberDecoder:
-    """Search for the likeliest call number `ddd[.d...] LLL` in a recogniser's (CTC) outputs.
+    """Decoder that finds the most likely call number `ddd[.d...] LLL` in the outputs of a text recogniser
+    (CTC).
 
-    Prefix beam search (Graves et al., "Connectionist temporal classification", 2006; Hannun et al., 2014)
-    that only follows prefixes of call numbers. Nothing is invented: without a path in the outputs, no
-    text.
+    It is a prefix beam search (Graves et al., "Connectionist temporal classification", 2006; Hannun et al.,
+    2014) that only follows prefixes of call numbers. If no call number is possible by the outputs, there is
+    no result.
     """
 
     def __init__(self, characters: Sequence[str], letters: int = 3, max_decimals: int = 4) -> None:

@@ -14,10 +14,11 @@ _WIDEST_VIEW = 1.5  # [m]
 
 
 class FlatView(NamedTuple):
-    """The shelf's front plane drawn flat, as seen from the front: `picture` (h, w), grey, and its scale.
+    """View of the shelf's front plane as if seen straight from the front, without perspective.
 
-    `seen` (h, w) is True where the image shows the front. Column c, row r show y = left - c * m_per_px,
-    z = top - r * m_per_px in the shelf frame (x into the shelf, y to the left, z up), in [m].
+    `picture` (h, w) is grey, and `seen` (h, w) is True where the image shows the front. Column c and row r
+    show y = left - c * m_per_px and z = top - r * m_per_px in the shelf frame (x into the shelf, y to the
+    left, z up), in [m].
     """
 
     picture: ByteArray

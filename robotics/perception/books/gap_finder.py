@@ -14,10 +14,11 @@ _LEAST_EXTRA = 0.002
 
 
 class GapFound(NamedTuple):
-    """The slot for a book: `left` > `right`, y in the shelf frame in [m].
+    """Slot that was found for a book.
 
-    `before` and `after` are the call numbers read next to it that are in order (None at an end of the
-    row); `misplaced` those that aren't.
+    `left` > `right` are y of its edges in the shelf frame, in [m]. `before` and `after` are the nearest call
+    numbers on both sides that are in order, None at an end of the row. `misplaced` are call numbers that are
+    out of order.
     """
 
     left: float
@@ -38,10 +39,10 @@ class GapFound(NamedTuple):
 
 
 class NoGap(NamedTuple):
-    """Reason why the book has no slot: as text, and as a number with its unit and its limit.
+    """Reason why a book has no slot, as text and as a measured value with its unit and limit.
 
-    `at` is y in the shelf frame in [m] of the position at which the book belongs, None if unknown.
-    `is_unread` is True if there may be a slot, but what is beside it could not be read or seen.
+    `at` is y, in the shelf frame in [m], of the position at which the book belongs, None if unknown.
+    `is_unread` is True if there may be a slot, but the books beside it could not be read or seen.
     """
 
     reason: str
@@ -60,20 +61,19 @@ def find_gap(
     max_extra: float = 0.010,
     misplacement: bool = True,
 ) -> GapFound | NoGap:
-    """Return the slot between the right neighbours, at least 2 mm and at most `max_extra` wider than the
-    book.
+    """Return the slot for a book in the order of call numbers, 2 mm to `max_extra` wider than the book.
 
-    The right place is the one that leaves the most books in order: the longest non-decreasing subsequence
-    of the books to the left that are not above `call_number`, and of those to the right that are not below
-    it. A misplaced book is in neither, at any place. Unread books fit everywhere; but directly next to the
-    slot one might belong on its other side.
+    The right place is the one that leaves most books in order. Books to its left are in order if they are in
+    a longest non-decreasing subsequence of the call numbers not above `call_number`, and books to its right
+    likewise with those not below. A misplaced book is in no such subsequence. An unread book may be anywhere;
+    but directly next to the slot it might belong on the slot's other side, so there is no slot then.
 
     Args:
         reading: books and gaps of the shelf.
         call_number: call number of the book to insert.
         thickness: thickness of the book, in [m].
         max_extra: largest width of the slot beyond the thickness, in [m].
-        misplacement: False to check only the two reads next to each slot.
+        misplacement: False to check only the two books read next to each slot.
     """
     numbers = [book.call_number for book in reading.books]
     if all(number is None for number in numbers):
@@ -158,7 +158,7 @@ def _only(
 
 
 def ordered(numbers: Sequence[CallNumber]) -> list[CallNumber]:
-    """Return a longest non-decreasing subsequence (patience sorting)."""
+    """Return a longest non-decreasing subsequence of call numbers, found by patience sorting."""
     tops: list[CallNumber] = []
     chains: list[tuple[CallNumber, ...]] = []
     for number in numbers:

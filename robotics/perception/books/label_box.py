@@ -11,11 +11,11 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class LabelBox(NamedTuple):
-    """A label's rectangle: `centre` (y, z) in [m] and `along` (y, z), a unit vector towards its foot, on
-    the plane x = 0 of the shelf.
+    """Rectangle of a label on the plane x = 0 of the shelf frame.
 
-    `length` is along the spine and `width` across it in [m]. `paper`: True if its border was seen, False
-    if it is only print on bright ground.
+    `centre` is its middle (y, z) in [m], and `along` the unit vector (y, z) towards the foot of the label.
+    `length` is measured along the spine of the book, `width` across it, both in [m]. `paper` is True if the
+    border of the label was seen, False if only print on bright ground was seen.
     """
 
     centre: tuple[float, float]
@@ -33,7 +33,7 @@ class LabelBox(NamedTuple):
     def corners(self) -> FloatArray:
         """Corners (4, 2) of the label, y and z in the shelf frame, in [m].
 
-        In the order upper left, upper right, lower right, lower left, as seen from the front.
+        They are in the order upper left, upper right, lower right, lower left, as seen from the front.
         """
         down = np.array(self.along) * self.length / 2
         right = np.array([self.along[1], -self.along[0]]) * self.width / 2

@@ -22,13 +22,13 @@ _SQUARE = 8  # the weight of being square against that of being large
 def find_labels(
     image: ByteArray, camera: CameraModel, camera_T_shelf: FloatArray, mask: BoolArray | None = None
 ) -> list[LabelBox]:
-    """Return the labels completely in view, from left to right.
+    """Return the rectangles of all labels that are completely visible in an image, from left to right.
 
-    On a cover as bright as paper no label is visible: any print there counts as one.
+    On a cover as bright as paper a label's border is not visible, so any print there counts as a label.
 
     Args:
         image: (h, w), grey.
-        camera: its model.
+        camera: model of the camera.
         camera_T_shelf: (4, 4) pose of the shelf; it may be a few millimetres and degrees off.
         mask: (h, w) True where the image shows the shelf; None: everywhere.
 

@@ -22,13 +22,13 @@ _PAGE_M_PER_PX, _PAGE_SHARE = 0.000177, 0.9  # how lines are looked for: scale, 
 
 
 class Label(NamedTuple):
-    """A label that was seen. `text` as read ("" when unreadable), `call_number` None unless it was read as
-    one.
+    """Label on a book as it was seen and read.
 
-    `confidence` 0..1; `corners` (4, 2) in [px] of the image: the printed text's upper left first, then
-    clockwise as the reader of the text sees them; `lateral`, `height`: its middle's y and z in the shelf
-    frame, `width`: across the spine, in [m]; `lean`: turn of its top to the left as seen from
-    the front, in [rad].
+    `text` is the label's text as read, "" if unreadable. `call_number` is None unless the text was read as a
+    call number. `confidence` is from 0 to 1. `corners` (4, 2) are in [px] of the image, beginning at the
+    upper left of the printed text, then clockwise for somebody who reads the text. `lateral` and `height` are
+    y and z of the label's middle in the shelf frame, and `width` is its size across the spine, all in [m].
+    `lean` is the turn of its top to the left, as seen from the front, in [rad].
     """
 
     text: str
@@ -42,17 +42,19 @@ class Label(NamedTuple):
 
 
 class LabelReading(NamedTuple):
-    """Result of a reader on one crop."""
+    """Text that a reader has read on one crop (a cut-out picture of a label), with confidence, 0 to 1."""
 
     text: str
     confidence: float
 
 
 class LabelReader(ABC):
-    """Reader of all labels in a view of the shelf; subclasses read upright crops.
+    """Base class of readers of all labels in a view of the shelf; subclasses read upright crops of single
+    labels.
 
-    `catalogue`, when given, makes every reading one of the known call numbers: the nearest, at most two edits
-    away, or none when two are equally near. A reading below `least_confidence` gives no call number.
+    If a `catalogue` is given, each text is replaced by the nearest known call number, at most two edits away.
+    If two are equally near, there is no call number. Texts read with less than `least_confidence` give no
+    call number either.
     """
 
     crop_height_px = 48
@@ -65,10 +67,11 @@ class LabelReader(ABC):
 
     @abstractmethod
     def read_crops(self, crops: Sequence[ByteArray]) -> list[LabelReading]:
-        """Return one reading for each crop.
+        """Return the text read on each crop of a label.
 
         Args:
-            crops: upright pictures (crop_height_px, w), grey, with text running left to right.
+            crops: cut-out pictures of labels (crop_height_px, w), grey, turned so that the text runs from
+                left to right.
         """
 
     def read(
@@ -79,11 +82,11 @@ class LabelReader(ABC):
         mask: BoolArray | None = None,
         known: Sequence[Label] = (),
     ) -> list[Label]:
-        """Return the labels completely visible in an image, from left to right.
+        """Read all labels that are completely visible in an image, and return them from left to right.
 
         Args:
             image: (h, w), grey.
-            camera: its model.
+            camera: model of the camera.
             camera_T_shelf: (4, 4) pose of the shelf; it may be a few millimetres and degrees off.
             mask: (h, w) True where the image shows the shelf; None: everywhere.
             known: labels that another view read with certainty; those are not read again.
@@ -175,7 +178,7 @@ def _flat_label(
 def cut_to_print(crop: ByteArray) -> ByteArray:
     """Return a crop (h, k), grey, without the empty paper before and after the text.
 
-    A margin of a fifth of its height stays on both sides.
+    A margin of a fifth of the crop's height stays on both sides.
 
     Args:
         crop: (h, w), grey.

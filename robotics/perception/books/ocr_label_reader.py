@@ -26,11 +26,11 @@ _STEP_PX = 8  # the recogniser gives one column of probabilities for this many o
 
 
 class OcrLabelReader(LabelReader):
-    """PP-OCR's recogniser on own crops, its outputs decoded as call numbers only.
+    """Label reader that uses the text recogniser of PP-OCR and decodes its outputs as call numbers only.
 
-    rapidocr's own pipeline adds a detector (four times the work) and chooses among 18,000 characters. Its
-    model is run here as it is, on the processor, `threads` wide. The session is made at the first reading,
-    for all readers.
+    The complete pipeline of the library rapidocr would also run a text detector, which takes four times as
+    long, and would choose among 18,000 characters. Here only its recogniser is run, on `threads` threads of
+    the processor. The model is loaded at the first reading, and shared by all readers.
     """
 
     def __init__(self, catalogue: Sequence[CallNumber] | None = None, threads: int = 1) -> None:
@@ -38,8 +38,10 @@ class OcrLabelReader(LabelReader):
         self._threads = threads
 
     def read_crops(self, crops: Sequence[ByteArray]) -> list[LabelReading]:
-        """Return the readings of crops (h, w), grey, one after the other: in a batch all would be as wide as
-        the widest.
+        """Return the text read on each of some crops (h, w), grey.
+
+        Crops are read one after the other, because in a batch all of them would have to be as wide as the
+        widest.
         """
         name = self._session.get_inputs()[0].name
         return [self._reading(self._session.run(None, {name: _input(crop)})[0][0]) for crop in crops]

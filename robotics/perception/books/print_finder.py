@@ -19,9 +19,9 @@ _APART = 1.2  # lines of one label, at most, in heights of a capital
 
 
 def find_prints(view: FlatView) -> list[LabelBox]:
-    """Return boxes in the shelf frame, with a margin, about dark print of a call number's size.
+    """Return boxes, with a margin, around dark print of the size of a call number, in the shelf frame.
 
-    Lines side by side are one.
+    Lines of print next to each other get one common box.
     """
     size = max(3, round(_STROKE / view.m_per_px))
     ground = cv2.morphologyEx(view.picture, cv2.MORPH_CLOSE, np.ones((size, size), np.uint8))

@@ -20,8 +20,10 @@ _EDGE_SIGMA, _PARALLAX = 0.0002, 0.006  # a side's error: constant, and for each
 
 
 class ShelfBook(NamedTuple):
-    """A book on the shelf: `left` > `right`, y in the shelf frame in [m]; `confidence` 0..1 of its call
-    number; `views`: how many showed it whole.
+    """Book on the shelf, fused from one or several views.
+
+    `left` > `right` are y of its sides in the shelf frame, in [m]. `confidence`, 0 to 1, is that of its call
+    number. `views` is the number of views that showed the book completely.
     """
 
     left: float
@@ -37,9 +39,10 @@ class ShelfBook(NamedTuple):
 
 
 class ShelfReading(NamedTuple):
-    """Contents of a shelf, from left to right: books with labels, and `gaps` between them.
+    """Contents of a shelf, as read in one or several views.
 
-    `offsets` (one for each view) were added to the view's lateral positions y, in [m].
+    `books` have labels, and are from left to right, like the `gaps` between them. `offsets` has one value for
+    each view, in [m], which was added to the view's lateral positions y.
     """
 
     books: tuple[ShelfBook, ...]
@@ -48,7 +51,7 @@ class ShelfReading(NamedTuple):
 
     @property
     def intervals(self) -> tuple[Gap, ...]:
-        """Intervals without labelled books between the first and the last: slots, or things without a
+        """Intervals between neighbouring labelled books, which are free slots or contain things without a
         label.
         """
         between = (Gap(a.right, b.left) for a, b in pairwise(self.books))
@@ -72,11 +75,12 @@ class _Sighting(NamedTuple):
 
 
 def fuse_views(views: Sequence[SpineView], fuse: bool = True) -> ShelfReading:
-    """Fuse all views into one reading. Each view's lateral position may be a few millimetres off: the views
-    are aligned by the books that they share, and all together keep their mean position.
+    """Fuse several views of a shelf into one reading.
 
-    Gaps are left to `find_slots`. With `fuse` False nothing is aligned, averaged or voted on: each book is as
-    the first view saw it.
+    The lateral positions of each view may be off by a few millimetres. Therefore the views are aligned by the
+    books that they share; the mean position of all views stays. The result contains no gaps: these are found
+    by `find_slots`. With `fuse` False, nothing is aligned or averaged: each book is as in the first view that
+    shows it.
     """
     offsets = _offsets(views) if fuse else np.zeros(len(views))
     groups = _groups(_sightings(views, offsets))
@@ -86,9 +90,10 @@ def fuse_views(views: Sequence[SpineView], fuse: bool = True) -> ShelfReading:
 
 
 def fuse_labels(labels: Iterable[Label]) -> tuple[CallNumber | None, float]:
-    """Return the call number that several readings of one label speak for, and its share of their confidence.
+    """Return the most probable call number by several readings of one label, and its share of their
+    confidence.
 
-    None if nothing was read, or if the best has no more than half of the confidence of all.
+    None if nothing was read, or if no call number has more than half of the confidence of all readings.
     """
     votes: dict[CallNumber, float] = {}
     for label in labels:

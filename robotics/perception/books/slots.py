@@ -24,7 +24,10 @@ _LEAST, _SHARE = 2.5, 0.5  # of a deep piece: grey levels, and share of what it 
 
 
 class Gap(NamedTuple):
-    """A free slot between two spines, or spine and panel: `left` > `right`, y in the shelf frame in [m]."""
+    """Free slot between two books, or between a book and a side panel of the shelf.
+
+    `left` > `right` are y of its edges in the shelf frame, in [m].
+    """
 
     left: float
     right: float
@@ -36,10 +39,10 @@ class Gap(NamedTuple):
 
 
 class Alike(NamedTuple):
-    """Comparison of two views of a piece of the front.
+    """Result of comparing two views of a piece of the shelf's front.
 
-    `apart` is their difference in grey levels at the best match, `shows` the range of grey levels in the
-    piece.
+    `apart` is the difference of the views in grey levels at the best match. `shows` is the mean deviation of
+    the piece's grey levels from their median.
     """
 
     apart: float
@@ -47,7 +50,9 @@ class Alike(NamedTuple):
 
     @property
     def deep(self) -> bool:
-        """True if the visible surface can't lie in the front."""
+        """True if the surface seen in the piece can't be in the plane of the shelf's front, but is
+        behind it.
+        """
         return self.apart > _NOISE + _LEAST and self.apart - _NOISE > _SHARE * self.shows
 
 
@@ -56,13 +61,13 @@ def find_slots(
 ) -> tuple[Gap, ...]:
     """Return the free slots in an interval of the shelf's front, from left to right.
 
-    The two views taken from the places nearest to the interval are compared (parallax). An edge at the same
-    position in both views is the end of a surface in the front. Between two such edges, the piece is a free
-    slot if the views differ however they are aligned. A piece that looks the same in both views is not
-    free: it is a spine, or can't be distinguished from one.
+    The two views taken from the places nearest to the interval are compared, by parallax. An edge at the same
+    position in both views is the end of a surface in the front plane. The piece between two such edges is a
+    free slot if the views differ at every alignment. A piece that looks the same in both views is not free,
+    because it is a spine or can't be distinguished from a spine.
 
     Args:
-        views: views from before the shelf.
+        views: views taken in front of the shelf.
         offsets: number that is added to y of each view, in [m].
         interval: interval between two spines that were recognized.
         solid: left and right edge y of each recognized spine, in [m]; the brightness of the views is matched
@@ -90,7 +95,9 @@ def find_slots(
 
 
 class OffsetView(NamedTuple):
-    """A view, with the offset that is added to its lateral positions y, in [m]."""
+    """View of the shelf, with the offset that aligns it with other views by addition to its lateral positions
+    y, in [m].
+    """
 
     view: SpineView
     offset: float
@@ -101,7 +108,8 @@ class OffsetView(NamedTuple):
         return self.view.eye + self.offset
 
     def at(self, y: FloatArray) -> FloatArray:
-        """Return the grey levels (n, m) of the view's n strips, 0 to 255; NaN where it shows nothing.
+        """Return the grey levels (n, m), 0 to 255, of the view's n strips at lateral positions; NaN if not
+        visible.
 
         Args:
             y: (m,) lateral positions in the shelf frame, in [m].
@@ -147,8 +155,8 @@ def compare(
 ) -> Alike | None:
     """Return how well two views of a piece of the shelf's front match, at the best lateral shift.
 
-    A piece that matches at no shift lies behind the front (`Alike.deep`). None if the piece is too narrow,
-    or too little of it is visible in both views.
+    A piece whose views match at no shift is behind the front plane (`Alike.deep`). None if the piece is too
+    narrow, or too little of it is visible in both views.
 
     Args:
         a: one view.

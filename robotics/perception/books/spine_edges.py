@@ -25,10 +25,11 @@ _SEAM = 0.0018  # [m] between the spines of two books that touch, or spine and c
 
 
 class Strips(NamedTuple):
-    """Horizontal strips of a flat view, each a mean over some rows: `grey` (n, w), NaN where not seen.
+    """Horizontal strips of a flat view, each averaged over some rows.
 
-    Column c shows y = left + sign * c * m_per_px (sign -1: seen from the front; +1: mirrored); strip i is at
-    height z[i], all in [m].
+    `grey` (n, w) are the grey levels of n strips, NaN where not visible. Strip i is at height z[i]. Column c
+    shows y = left + sign * c * m_per_px, with sign -1 as seen from the front, +1 if mirrored. All are in [m],
+    in the shelf frame.
     """
 
     grey: FloatArray
@@ -38,7 +39,7 @@ class Strips(NamedTuple):
     sign: int
 
     def mirrored(self) -> Strips:
-        """Return the strips from right to left."""
+        """Return the strips mirrored, with columns from right to left."""
         last = self.left + self.sign * (self.grey.shape[1] - 1) * self.m_per_px
         return Strips(self.grey[:, ::-1], self.z, last, self.m_per_px, -self.sign)
 
@@ -51,7 +52,7 @@ class Strips(NamedTuple):
         return self._replace(grey=self.grey[self.z > height], z=self.z[self.z > height])
 
     def at(self, y: FloatArray) -> FloatArray:
-        """Return the grey levels (n, m) of all strips, 0 to 255; NaN where the view shows nothing.
+        """Return the grey levels (n, m), 0 to 255, of all n strips at lateral positions; NaN if not visible.
 
         Args:
             y: (m,) lateral positions in the shelf frame, in [m].
@@ -63,8 +64,9 @@ class Strips(NamedTuple):
         return np.where(inside, grey, np.nan)
 
     def brightness(self, left: float, right: float, lowest: float) -> float | None:
-        """Return the mean grey of an interval, as the median over the strips above a height; None if half is
-        unseen.
+        """Return the mean grey level of an interval; None if more than half of it is not visible.
+
+        It is the median of the means of all strips above a height.
 
         Args:
             left: left end y in the shelf frame, in [m].
@@ -78,7 +80,9 @@ class Strips(NamedTuple):
         return float(np.median(np.nanmean(part[seen.any(axis=1)], axis=1)))
 
     def seen(self, left: float, right: float, highest: float) -> float:
-        """Return the share, 0 to 1, that was seen from y `left` to `right` below a height, all in [m]."""
+        """Return the visible share, 0 to 1, of the area from y `left` to `right` below a height, all in
+        [m].
+        """
         part = self._part(left, right)[self.z < highest]
         return float(np.mean(~np.isnan(part))) if part.size else 0.0
 
@@ -88,8 +92,11 @@ class Strips(NamedTuple):
 
 
 class SpineEdge(NamedTuple):
-    """An edge: `y` in the shelf frame, in [m], at the view's mean height, `drop` in grey levels, `coverage`
-    0..1 of the view's height.
+    """Vertical edge in a flat view of the shelf.
+
+    `y` is its position in the shelf frame at the view's mean height, in [m]. `drop` is the decrease of grey
+    there, in grey levels. `coverage`, 0 to 1, is the share of the view's height over which the edge was
+    found.
     """
 
     y: float
@@ -98,7 +105,7 @@ class SpineEdge(NamedTuple):
 
 
 def strips_of(view: FlatView) -> Strips:
-    """Return strips of a few millimetres' height, averaged over rows."""
+    """Return a flat view as horizontal strips, each the average of rows over a few millimetres."""
     count = view.picture.shape[0] // _STRIP_ROWS
     shape = (count, _STRIP_ROWS, view.picture.shape[1])
     rows = slice(0, count * _STRIP_ROWS)
@@ -109,10 +116,10 @@ def strips_of(view: FlatView) -> Strips:
 
 
 def upright(strips: Strips) -> Strips:
-    """Return the strips shifted against each other so that edges are upright: undoes a small roll of the
-    camera.
+    """Return strips that are shifted sideways against each other, so that edges of books are upright.
 
-    The tilt is the one whose column means differ most. Positions at the mean height are unchanged.
+    This corrects a small roll of the camera. The tilt is found at which edges in all strips add up best.
+    Positions at the mean height are unchanged.
     """
     tilts = np.linspace(-_STEEPEST, _STEEPEST, _TILTS)
     slopes = np.nan_to_num(strips.grey[:, 2:] - strips.grey[:, :-2])
@@ -147,7 +154,9 @@ def _shifted(rows: FloatArray, shifts: FloatArray) -> FloatArray:
 
 
 def falling_edges(strips: Strips) -> list[SpineEdge]:
-    """Return edges where the grey falls along the columns' direction, over most of the height seen."""
+    """Return edges at which the grey level decreases from one column to the next, over most of the visible
+    height.
+    """
     grey, width = strips.grey, strips.grey.shape[1]
     before = grey[:, : -2 * _REACH]
     # The darkest beyond: between two spines that touch there is but a seam, and the next one may be the
@@ -194,8 +203,9 @@ def _medians(values: FloatArray) -> FloatArray:
 
 
 def all_sides(strips: Strips) -> list[float]:
-    """Return y in [m] of all edges, falls seen from either end; a fall and a rise close behind it count as
-    one edge: the dark seam between two sides.
+    """Return y of all edges in the shelf frame, in [m], at which the grey level falls or rises.
+
+    A rise close behind a fall is the dark seam between the sides of two books; both count as one edge.
     """
     sides = []
     rises = sorted((edge.y for edge in falling_edges(strips.mirrored())), reverse=True)

@@ -30,7 +30,7 @@ _RIM = 0.0008  # of a label that may look like a spine's side, [m]
 
 
 class Spine(NamedTuple):
-    """A spine with both its sides in view: `left` > `right`, y in the shelf frame in [m]."""
+    """Spine of a book between its sides `left` > `right`, y in the shelf frame, in [m]."""
 
     left: float
     right: float
@@ -40,12 +40,12 @@ class Spine(NamedTuple):
 
 
 class SpineView(NamedTuple):
-    """Result of one view: labelled spines from left to right, and all `sides`, y in [m] of edges that run up
-    the view.
+    """Result of finding spines in one view of the shelf; all positions are y in the shelf frame, in [m].
 
-    `strips` are the pictures of the spines. `eye`: y of the camera, where sides are measured best; `left`,
-    `right`: the visible part of the shelf's front, in [m]. `leaning`: labels of books that lean, whose
-    sides are unknown.
+    `spines` are labelled, and from left to right. `sides` are the positions of all edges that run up the
+    view. `strips` contain the grey levels of the view. `eye` is the position of the camera, where sides are
+    measured best. `left` and `right` are the ends of the visible part of the shelf's front. `leaning` are
+    labels of leaning books, whose sides are unknown.
     """
 
     spines: tuple[Spine, ...]
@@ -65,12 +65,12 @@ def find_spines(
     mask: BoolArray | None = None,
     thicknesses: Mapping[CallNumber, float] = MappingProxyType({}),
 ) -> SpineView:
-    """Return the labelled spines in an image, both sides of which are in view.
+    """Return the labelled spines in an image that are completely visible.
 
-    A label makes a spine: its sides are the first edges next to it that run up the complete view; of a
-    book with known thickness those at that distance, because beside a dark slot a dark spine shows only
-    one edge. One view can't identify the things between two spines, see `find_slots`. Positions hold at
-    the mean height of the view.
+    The sides of a spine are the first edges next to a label that run up the complete view. If the thickness
+    of the book is known, they are edges at that distance, because a dark spine next to a dark slot shows only
+    one edge. A single view can't identify the things between two spines; see `find_slots`. Positions are
+    those at the mean height of the view.
 
     Args:
         image: (h, w), grey.
@@ -97,9 +97,14 @@ def find_spines(
 
 
 def scale_of(views: Sequence[SpineView], thicknesses: Mapping[CallNumber, float]) -> float:
-    """Return the ratio of seen widths to the catalogue's thicknesses (in [m]); 1 with less than six widths.
+    """Return the ratio of the widths of spines as seen to their thicknesses in the catalogue; 1 for fewer
+    than six spines.
 
-    A camera that differs slightly from its file shows all widths too large or too small by one factor.
+    If the camera differs slightly from its file, all widths appear too large or too small by the same factor.
+
+    Args:
+        views: views of the shelf.
+        thicknesses: thicknesses of books in the catalogue, in [m].
     """
     seen, known = [], []
     for spine in (spine for view in views for spine in view.spines if spine.both and spine.label):

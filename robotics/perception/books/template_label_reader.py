@@ -19,9 +19,9 @@ _LEAST_LEAD = 0.02  # of the best over the second, in correlation
 
 
 class TemplateLabelReader(LabelReader):
-    """Reader that takes the known label which correlates best with each crop.
+    """Label reader that compares each crop with pictures of known labels, and returns the best match.
 
-    It reads nothing that isn't among its templates: it needs a picture of every label on the shelf.
+    It only reads labels of which it has a picture.
     """
 
     def __init__(self, templates: Mapping[CallNumber, ByteArray], px_per_m: float) -> None:

@@ -13,7 +13,11 @@ _LEAST_CAP = 0.15  # of a label's width: a lower band is not a line of print
 
 
 class TextLine(NamedTuple):
-    """A line: `middle` is how far its middle is below the label's, `cap` the height of capitals, in [px]."""
+    """Line of text on a label.
+
+    `middle` is the distance of its middle below the label's middle, `cap` the height of its capitals, both in
+    [px].
+    """
 
     middle: float
     cap: float
