@@ -22,7 +22,7 @@ SHIPPED_DOMAINS = ("books", "blocks", "field", "seam", "calibration", "objects",
 
 
 class BrokenDomain(InputError):
-    """Error of another package's domain that can't be used."""
+    """Error for a domain of another package that can't be imported or used."""
 
     def __init__(self, point: EntryPoint, wrong: str) -> None:
         package = package_of(point)
@@ -31,7 +31,9 @@ class BrokenDomain(InputError):
 
 
 class Knowledge(NamedTuple):
-    """Declaration of a domain's knowledge: the class that holds it, and the task file's keys of its files."""
+    """Declaration of a domain's knowledge, with the class that contains it and the keys of its files in task
+    files.
+    """
 
     section: str
     """Import path of a subclass of `handcart.primitives.knowledge.section:Section`."""
@@ -49,8 +51,9 @@ class Command(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Domain:
-    """All parts of a domain, each by the import path "module:name", so that it is imported only when
-    needed.
+    """Declaration of a domain with all its parts, such as primitives and file formats.
+
+    Each part is given by an import path "module:name", so that it is imported only when needed.
     """
 
     name: str
@@ -112,7 +115,8 @@ def domains() -> tuple[Domain, ...]:
     """Return all domains, the shipped ones first, then those of other packages by their names.
 
     Raises:
-        BrokenDomain: a domain of another package cannot be imported, is not a domain, or shares a name.
+        BrokenDomain: a domain of another package cannot be imported, is not a `Domain`, or has the name of
+            another domain.
     """
     found: dict[str, Domain] = {name: imported(f"handcart.tasks.{name}:DOMAIN") for name in SHIPPED_DOMAINS}
     for point in entry_points_of("handcart.domains"):

@@ -18,7 +18,7 @@ SHIPPED_FOLDER = Path(__file__).parent
 
 
 def named_tasks() -> dict[str, Path]:
-    """Return the task files that have a name, the shipped ones first."""
+    """Return the task files that can be run by name, by their names, the shipped ones first."""
     tasks = _tasks_below(SHIPPED_FOLDER, "")
     for owner, folder in plugin_folders(TASKS_GROUP).items():
         tasks |= _tasks_below(folder, f"{owner}/")
@@ -29,7 +29,7 @@ def task_path(given: Path | str) -> Path:
     """Return the task file for a path or a name; an existing path wins over a name.
 
     Raises:
-        FileError: it looks like a name (no suffix, no such path), and no task has it.
+        FileError: the argument is neither a path nor the name of a task.
     """
     path = Path(given)
     if path.suffix or path.is_absolute() or _exists(path):

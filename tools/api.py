@@ -25,7 +25,7 @@ Settings = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Result:
-    """The end of a run, with its actions and metrics."""
+    """Result of a run that has ended, with its actions and metrics."""
 
     summary: Mapping[str, Any]
     """Content of the run's `summary.json`."""
@@ -36,12 +36,12 @@ class Result:
 
     @property
     def outcome(self) -> str:
-        """Success, Fail, GiveUp, Cancelled or Error."""
+        """Outcome of the run, which is Success, Fail, GiveUp, Cancelled or Error."""
         return str(self.summary["outcome"])
 
     @property
     def situation(self) -> str:
-        """Situation in which the run ended."""
+        """Name of the situation of the action network in which the run ended."""
         return str(self.summary["situation"])
 
     @property
@@ -51,7 +51,7 @@ class Result:
 
     @property
     def metrics(self) -> Mapping[str, Any]:
-        """Measured values; on simulated backends also those from the ground truth."""
+        """Measured values of the run by name; on simulated backends also values from the ground truth."""
         metrics: Mapping[str, Any] = self.summary["metrics"]
         return metrics
 
@@ -102,22 +102,22 @@ def run(
     errors: bool = True,
     permit: Literal["ask", "always", "never"] = "ask",
 ) -> Result:
-    """Run a task once, to its end.
+    """Run a task once to its end, and return the result.
 
     Args:
-        task: its file, or the name of a task.
+        task: path of the task's file, or name of a task.
         backend: another backend than the task names.
         seed: seed of the simulated errors.
         robot: another robot than the task names: name of a shipped robot, or path of a robot's file.
         set: parameters of the task.
         runs: folder in which the run's folder is made.
-        errors: True if the simulated robot errs.
-        permit: rule for actions with `permit: operator`. With `ask` the run waits until the operator
-            answers with `handcart permit` or `refuse` and the run's folder.
+        errors: True to simulate the errors of the robot's sensors and drives.
+        permit: rule for actions with `permit: operator`. With `ask`, the run waits until the operator answers
+            with `handcart permit` or `handcart refuse`.
 
     Raises:
         FileError: the task or a file that it names is wrong; nothing has moved.
-        HandcartError: the task cannot be run for another reason, in words.
+        HandcartError: the task cannot be run for another reason; the message states it.
     """
     from handcart.evaluation.trials.running import run_task
     from handcart.networks.operator.permits import Permits
@@ -150,7 +150,8 @@ def check(file: Path | str, *, set: Settings | None = None) -> FileCheck:
         set: parameters of a task, checked as values of its file.
 
     Returns:
-        Faults (`findings`), `warnings` and facts; a file that cannot be read is one with findings.
+        Faults (`findings`), warnings and facts. For a file that cannot be read, the reason is among the
+        findings.
     """
     from handcart.tools.commands.check_file import file_facts
 
@@ -169,11 +170,11 @@ def load_task(file: Path | str, *, set: Settings | None = None) -> Task:
     """Read a task's file and its action network.
 
     Args:
-        file: its file, or the name of a task.
+        file: path of the task's file, or name of a task.
         set: parameters of the task, in place of those of its file.
 
     Raises:
-        FileError: with all faults of the task.
+        FileError: the task has faults; the error contains all of them.
     """
     from handcart.networks.task import task_file
 
@@ -207,7 +208,7 @@ def campaign(
     """Run seeded trials of a task in parallel, and count how they end.
 
     Args:
-        task: its file, or the name of a task.
+        task: path of the task's file, or name of a task.
         trials: number of trials.
         first: seed of the first trial.
         jobs: number of parallel processes; with more than one, a script needs `if __name__ == "__main__":`.
@@ -223,21 +224,22 @@ def campaign(
         until: claim about the success rate, such as `p > 0.95`; the campaign ends as soon as it is decided.
         vary: file of numbers that vary by trial (docs/how_to/campaigns.md).
         faults: file of injected faults (docs/how_to/campaigns.md).
-        level: `network`: no robot moves, outcomes are drawn by each action's `p`; `fitted`: as they were
-            observed in other campaigns.
-        learned_from: folders of the campaigns that `fitted` uses.
-        rare: outcome whose probability is estimated; each trial is then a population of runs, for
-            `RareEstimate.of` in `handcart.evaluation.campaigns.rare.rare_estimate`.
-        importance: quantity that the levels of a population count.
-        population: number of runs of a population.
+        level: `run`: each trial is a run of the robot; `network`: no robot moves, and outcomes are drawn from
+            each action's probability `p`; `fitted`: outcomes are drawn as observed in other campaigns.
+        learned_from: folders of the campaigns from which `fitted` takes outcomes.
+        rare: rare outcome whose probability is estimated. Each trial is then a population of runs;
+            `RareEstimate.of` in `handcart.evaluation.campaigns.rare.rare_estimate` computes the estimate.
+        importance: with `rare`, the measure of how near a run is to the rare outcome: failed actions, or
+            attempts.
+        population: with `rare`, number of runs of a population.
         report: True to write `report.html` into the folder.
         runs: folder in which the runs' folders are made; None: `runs`, in the campaign's folder if it has
             one.
 
     Raises:
         KeyboardInterrupt: the user ended the campaign.
-        InputError: an argument is not possible, in words; nothing has moved.
-        HandcartError: a trial cannot be run, or kept; in words.
+        InputError: an argument is invalid, as the message states; nothing has moved.
+        HandcartError: a trial cannot be run or stored, as the message states.
     """
     from handcart.evaluation.campaigns.data.trial_log import TrialFile
     from handcart.evaluation.campaigns.statistics.campaign_report import CampaignReport

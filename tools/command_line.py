@@ -73,8 +73,8 @@ A name of two words precedes the command of the first word alone: a task's file 
 def all_commands() -> dict[str, tuple[str, str]]:
     """Return the import path and the help of each command, by its name.
 
-    The framework's commands come first, then the domains'. If a domain of another package is broken, that
-    is reported, and only our own commands are available.
+    The framework's commands come first, then those of the domains. If a domain of another package is broken,
+    its error is printed, and only the framework's commands are returned.
     """
     from handcart.tasks.domain import BrokenDomain, domains
 
@@ -91,20 +91,26 @@ PROGRAM_HELP = "Action primitives for mobile manipulators: run, check, draw and 
 
 
 class LazyGroup(TyperGroup):
-    """Group of the subcommands in `OWN_COMMANDS` and of the domains; none is imported before it is called."""
+    """Group of all subcommands of `handcart`; the module of a subcommand is imported only when it is
+    called.
+    """
 
     def list_commands(self, ctx: Any) -> list[str]:
-        """Return the framework's commands in the table's order, then those of the domains."""
+        """Return the names of the framework's commands in the order of `OWN_COMMANDS`, then those of the
+        domains.
+        """
         return list(all_commands())
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return the command and the remaining arguments; some names have two words."""
+        """Return the name of the called command, the command, and the remaining arguments; some names have
+        two words.
+        """
         if (two := " ".join(args[:2])) in OWN_COMMANDS:
             return two, self.get_command(ctx, two), args[2:]
         return super().resolve_command(ctx, args)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return the command, imported now."""
+        """Import the module of a command, and return the command."""
         own = OWN_COMMANDS.get(cmd_name)
         known = all_commands() if own is None else {cmd_name: (f"{__package__}.{own[0]}:{own[1]}", own[2])}
         if cmd_name not in known:
@@ -148,4 +154,6 @@ def about(
         bool, typer.Option("--version", help="Print the version.", callback=_say_version, is_eager=True)
     ] = False,
 ) -> None:
-    """Take the subcommand; the group's own options end by themselves."""
+    """Declare the option `--version` of `handcart`, which prints the version and exits; otherwise do
+    nothing.
+    """

@@ -10,14 +10,17 @@ from handcart.tools.terminal.streams import Streams
 
 
 class NotText(InputError):
-    """Error in a word of the command line that no file can hold, because it is not valid text."""
+    """Error of a command-line argument that is not valid text, so that it could not be written into a
+    file.
+    """
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command line and exit with its status (see the README); bad input is reported in words.
+    """Run the command line, and exit with its status (see the README); errors in the input are printed as
+    messages.
 
-    The state of stdout never changes the status: a run that ended in Success ended so, whether its output
-    went to a pipe that closed, a full disk or nowhere. Lost output is reported on stderr.
+    Problems of stdout never change the status: if its output goes to a closed pipe or a full disk, a run that
+    ended in Success still has the status of Success. Lost output is reported on stderr.
     """
     if arguments is None:
         quiet_libraries()

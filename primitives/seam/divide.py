@@ -38,8 +38,7 @@ WAY_CHECK_SPACING_M = 0.2  # of a way between looks at whether it is free
 
 
 class Divide(ActionPrimitive):
-    """Divide the rest of the seam into parts, each with a reachable place of the base from which the arm
-    follows it.
+    """Divide the rest of the seam into parts, each tracked from one reachable place of the base.
 
     Only knowledge changes: the places get the names `place_1` and so on. A division is kept while its next
     place can be reached. If an obstacle was sensed on the way, or the arm could not do its part, the rest

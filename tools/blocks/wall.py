@@ -15,7 +15,10 @@ def wall(
     output: Annotated[Path, typer.Option("-o", "--output", help="folder to write into")] = Path("wall"),
     world: Annotated[Path | None, typer.Option(help="simulated world (default: the drawn one)")] = None,
 ) -> None:
-    """Compute from where blocks are taken and laid, and in which order; write a task and wall.svg."""
+    """Plan how blocks of a drawing are taken and laid, and write a task and the picture wall.svg.
+
+    The plan contains the places of the base and the order of the blocks.
+    """
     import os
 
     from handcart.backends.loading.robot_loading import load_robot

@@ -30,7 +30,7 @@ CAMPAIGN_LEVELS: Mapping[str, Level] = {"run": "run", "fitted": "fitted", "netwo
 
 
 class NotPossible(InputError):
-    """Error of campaign options that are invalid, alone or together; nothing has moved."""
+    """Error of campaign options that are invalid by themselves or together, raised before anything moves."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,11 +57,12 @@ class AskedCampaign:
 
     @contextmanager
     def opened(self) -> Iterator[OpenCampaign]:
-        """Check the campaign; yield it with its folder, or with a temporary folder that ends with the
-        context.
+        """Check the arguments, and yield the campaign with its folder.
+
+        Without a folder in the arguments, a temporary one is used, which is removed when the context ends.
 
         Raises:
-            InputError: something isn't possible, in words; nothing has moved.
+            InputError: an argument is invalid, as the message states; nothing has moved.
             TrialLogError: the folder's trials can't be read, or written.
         """
         self._check()
@@ -200,7 +201,7 @@ class AskedCampaign:
 
 @dataclass
 class OpenCampaign:
-    """A checked campaign that can run, or continue."""
+    """Campaign whose arguments were checked, and which can be run or continued."""
 
     setting: CampaignSetting
     seeds: range
@@ -214,16 +215,18 @@ class OpenCampaign:
     _counted: WalkTally | None = None
 
     def run(self, jobs: int | None, cluster: str | None = None) -> Generator[int, None, None]:
-        """Run the missing trials until a claim is settled; yield repeatedly the number of new ones.
+        """Run the missing trials until all are done or a claim is settled; yield the number of new trials
+        repeatedly.
 
-        Walks that are not kept are counted thousands at once, but each can be repeated.
+        Trials on the network alone that need not be stored are counted in batches of thousands; each of them
+        can be repeated by its seed.
 
         Args:
-            jobs: parallel processes; None: 2, on the network alone 1.
-            cluster: address, or file, of a Dask scheduler whose workers run them instead.
+            jobs: number of parallel processes; None: 2, on the network alone 1.
+            cluster: address of a Dask scheduler, or path of its file; its workers run the trials instead.
 
         Raises:
-            InputError: both are given.
+            InputError: both `jobs` and `cluster` are given.
             HandcartError, KeyboardInterrupt: as `run_campaign` does.
         """
         if cluster is not None and jobs is not None:
@@ -252,7 +255,9 @@ class OpenCampaign:
         return len(self.log) if self._counted is None else self._counted.count
 
     def report(self) -> CampaignReport:
-        """Return the report on the trials that count: with a claim, those that settled it."""
+        """Return the report on all trials; if a claim is tested, only on the trials up to the one that
+        settled it.
+        """
         holds = None if self.settling is None else self.settling.verdict
         if self._counted is not None:
             walked = WalkedSequence(self._counted.trials, self.seeds[: self._counted.count])
@@ -264,14 +269,14 @@ class OpenCampaign:
         """Write the campaign's page into its folder, and return the page's path.
 
         Args:
-            report: report on the trials that count.
+            report: report returned by `report`.
             runs: True to write pages of the most interesting runs, too.
 
         Returns:
             The path; None without a folder, and for a campaign of a rare event, which has no page.
 
         Raises:
-            OSError: it cannot be written.
+            OSError: the page cannot be written.
         """
         if self.out is None or self.setting.rare is not None:
             return None

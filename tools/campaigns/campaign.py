@@ -87,7 +87,7 @@ def campaign(
         Path | None, typer.Option(help="where the runs' folders are made; otherwise runs, or OUT/runs")
     ] = None,
 ) -> None:
-    """Run seeded trials of a task side by side, and count how they end."""
+    """Run seeded trials of a task in parallel, and report how often each outcome occurs."""
     from handcart.files.models.settings import split_setting
     from handcart.tasks.task_names import task_path
     from handcart.tools.campaigns.asked_campaign import AskedCampaign

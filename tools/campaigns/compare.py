@@ -21,7 +21,10 @@ def compare(
     other: Annotated[Path, typer.Argument(help="another's: how it is now")],
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
 ) -> None:
-    """Compare two campaigns, paired by seed; status 3 where the second one's success rate is proven lower."""
+    """Compare two campaigns, paired by seed, and print the differences.
+
+    The exit status is 3 if the success rate of the second campaign is proven to be lower.
+    """
     import orjson
 
     from handcart.evaluation.campaigns.data.campaign_folder import CampaignFolder

@@ -33,7 +33,10 @@ def learn(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
 ) -> None:
-    """Show what campaigns change in a task's probabilities and times, or write it; comments are kept."""
+    """Print which probabilities and times of a task differ from recorded campaigns, or write the new values.
+
+    Comments in the task's file are kept.
+    """
     from handcart.evaluation.campaigns.data.campaign_folder import TRIALS, CampaignFolder
     from handcart.evaluation.campaigns.learned.entry_counts import count_entries
     from handcart.networks.task.task_file import load_task

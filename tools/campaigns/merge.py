@@ -16,7 +16,7 @@ def merge(
     out: Annotated[Path | None, typer.Option(help="keep the whole campaign in this folder")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
 ) -> None:
-    """Merge the parts of a campaign, and report what one machine would have reported."""
+    """Merge the parts of a campaign, and print the same report as for a campaign run on one machine."""
     import orjson
 
     from handcart.evaluation.campaigns.data.merging import merged

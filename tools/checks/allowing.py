@@ -12,7 +12,11 @@ if TYPE_CHECKING:
 
 
 def allow_contacts(file: Path) -> None:
-    """Add the pairs that touch in every posture of the arm; the changes are printed to stderr.
+    """Add all pairs of links that touch in every posture of the arm to a robot's file, as allowed contacts.
+
+    The changes are printed to stderr.
+
+    Args: file: path of the robot's file.
 
     Raises:
         FileError: the robot's files are wrong.

@@ -9,10 +9,10 @@ if TYPE_CHECKING:
 
 
 def belief_facts(network: ActionNetwork) -> tuple[dict[str, Any], list[str]]:
-    """Return how sure the task's policy is at the start, by its beliefs about probabilities, as fields and as
-    lines of text.
+    """Return facts on how certain a task's policy is the best at its start, as fields and as lines of text.
 
-    Both are empty for a task without beliefs, or one that starts at its goal.
+    They are computed from the task's beliefs about probabilities. Both are empty for a task without beliefs,
+    and for a task that starts at its goal.
     """
     from handcart.networks.deciding.planners import planner_of
 

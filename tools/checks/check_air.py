@@ -18,17 +18,19 @@ if TYPE_CHECKING:
 def air_facts(
     name: str, bench: str | None = None, seconds: float = 5.0, bag: Path | None = None
 ) -> dict[str, Any]:
-    """Listen to a robot's topics, and return the facts; its differences from the file are `errors`.
+    """Listen to a robot's ROS 2 topics, and return facts on them; `errors` are differences from the robot's
+    file.
 
     Args:
         name: name of the robot, or path of its file.
-        bench: name of a simulated backend behind topics in this process; None: the topics on the air.
+        bench: name of a simulated backend that publishes the topics in this process; None: topics of a real
+            robot.
         seconds: time in [s] to listen.
-        bag: a recorded bag in place of the topics on the air.
+        bag: a recorded bag whose topics are read instead.
 
     Raises:
-        FileError: its files are wrong.
-        InputError: the file has no section `ros2`, or the bench is impossible.
+        FileError: the robot's files are wrong.
+        InputError: the robot's file has no section `ros2`, or `bench` is not a simulated backend.
         NoRos: rclpy is not installed.
     """
     from handcart.backends.loading.robot_loading import load_robot

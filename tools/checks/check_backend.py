@@ -16,7 +16,7 @@ EMPTY_WORLD = "format: handcart-world/1\nstart: {x_m: 0.0, y_m: 0.0}\n"
 
 
 def engine_remarks(robot: RobotFile) -> list[str]:
-    """Return MuJoCo's reasons for refusing a robot, in words; empty if it accepts it or is not installed."""
+    """Return the reasons for which MuJoCo cannot load a robot; empty if it can, or is not installed."""
     if not is_there("mujoco"):
         return []
     from handcart.backends.mujoco.body.building import model_refusal

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def bus_of(robot: RobotFile) -> BusLoad | None:
-    """Return the load of cyclic frames on the robot's bus; None if it has none."""
+    """Return the load that cyclic frames put on a robot's CAN bus; None if the robot has no CAN bus."""
     if robot.can is None:
         return None
     from handcart.backends.can.devices.cyclic_frames import bus_load
@@ -20,7 +20,9 @@ def bus_of(robot: RobotFile) -> BusLoad | None:
 
 
 def bus_tables(load: BusLoad) -> Iterator[Any]:
-    """Yield tables for people: a row for each frame, and the sum."""
+    """Yield the load of a CAN bus as text for people: a table with a row for each cyclic frame, then the
+    total load.
+    """
     from handcart.backends.can.bus.bus_load import MAX_CYCLIC_LOAD
     from handcart.tools.terminal.tables import table_of
 
@@ -44,7 +46,7 @@ def bus_tables(load: BusLoad) -> Iterator[Any]:
 
 
 def bus_figures(load: BusLoad) -> dict[str, Any]:
-    """Return the bus load for programs."""
+    """Return the load of a CAN bus as a dictionary for programs, with its total and each cyclic frame."""
     return {
         "bitrate": load.bitrate,
         "share": round(load.share, 5),

@@ -39,20 +39,20 @@ def robot_facts(
     every: bool = False,
     backend: str | None = None,
 ) -> dict[str, Any]:
-    """Check a robot and return the facts, and draw it if a picture is wanted.
+    """Check a robot's file and return facts on the robot; draw the robot if `picture` is given.
 
     Args:
         file: the robot's file.
         picture: file for the drawing; None: no drawing.
-        quick: True to skip the test of its reach.
+        quick: True to skip the test of the arm's reach.
         every: True to list every joint, link and mesh, not only the arm's joints.
-        backend: name of a simulated backend to build with it.
+        backend: name of a simulated backend that is built with the robot as a test; None: no test.
 
     Raises:
-        FileError: its files are wrong.
+        FileError: the robot's files are wrong.
         InputError: the backend refuses the robot.
         NoSuchPicture: the picture's suffix is unknown.
-        NotWritable: the picture cannot be written there.
+        NotWritable: the picture cannot be written to this path.
     """
     from handcart.backends.loading.robot_loading import load_robot
     from handcart.evaluation.robot_report.picture import draw_robot
@@ -139,7 +139,10 @@ def _lines(report: RobotReport, every: bool) -> list[str]:
 
 
 def lines_of(*parts: Any) -> list[str]:
-    """Return tables and lines as text for people."""
+    """Return tables and lines as lines of text, as they are printed on a terminal.
+
+    Args: parts: tables, and lines of text, in order.
+    """
     from rich.console import Console
     from rich.text import Text
 

@@ -30,8 +30,9 @@ SHORT_HEADING = (
 def task_facts(task: Task, watch: Watch = lambda share: None) -> dict[str, Any]:
     """Return the facts of a task's network.
 
-    These are its size, actions that can never start (`errors`), doubtful parts (`warnings`), situations
-    where runs may end short of the goal (`short`), and how runs end (`figures`, and as text in `lines`).
+    They are the size of the network, actions that can never start (`errors`), parts that are probably
+    mistakes (`warnings`), situations in which runs may end before the goal (`short`), and the probabilities
+    of all ends (`figures`, and as text in `lines`).
 
     Args:
         task: the task.

@@ -23,14 +23,14 @@ def urdf_facts(file: Path, every: bool = False, draft: Path | None = None) -> di
 
     Args:
         file: the URDF.
-        every: True to list every joint, link and mesh, not only those of the longest chain.
-        draft: path for a first robot's file; None: no draft.
+        every: True to list every joint, link and mesh, not only those of the longest chain of joints.
+        draft: path to which a first draft of a robot's file is written; None: no draft.
 
     Raises:
         FileError: the URDF is wrong.
-        InputError: the draft cannot be written there.
+        InputError: the draft cannot be written to this path.
 
-    A xacro file is expanded for a draft alone, into a URDF next to the draft.
+    A xacro file is written as a URDF next to the draft, if there is a draft.
     """
     from handcart.backends.urdf.robot_parts import UrdfError
     from handcart.evaluation.robot_report.remark import grouped

@@ -13,7 +13,9 @@ if TYPE_CHECKING:
 
 
 def write_draft(draft: Path, urdf: Path, report: UrdfReport) -> None:
-    """Write a robot's file; sections that are wrong for the URDF become comments with the reason.
+    """Write a first draft of a robot's file for a URDF.
+
+    Optional sections that are wrong for this URDF become comments with the reason.
 
     Args:
         draft: the file to write.

@@ -17,19 +17,20 @@ def dry_run(
     script: Path | None,
     as_json: bool,
 ) -> int:
-    """Check a task with all its files, print the actions of an imagined run, and return its exit status.
+    """Check a task with all its files, print the actions of a run without a robot, and return the exit
+    status.
 
     Args:
         task: the task's file.
         backend: another backend than the task names; None: the task's.
-        settings: KEY=VALUE each: parameters of the task.
+        settings: parameters of the task, `KEY=VALUE` each.
         seed: seed of a run.
         situation: situation in which the run begins; None: the task's start.
-        script: file with the outcomes of the actions; None: each succeeds.
+        script: file with the outcomes that the actions shall have; None: each action succeeds.
         as_json: True to print one JSON object instead of lines.
 
     Raises:
-        FileError: with all faults of the task's files.
+        FileError: the task's files have faults; the error contains all of them.
     """
     import orjson
 

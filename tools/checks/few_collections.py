@@ -12,7 +12,7 @@ COLLECTION_THRESHOLDS = 200_000, 50, 1_000
 
 @contextmanager
 def few_collections() -> Iterator[None]:
-    """Collect garbage rarely in this context, because each full collection looks through the complete network
+    """Make Python's garbage collections rare in this context, because each full one has to visit all objects
     in use.
     """
     before = gc.get_threshold()

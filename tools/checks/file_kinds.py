@@ -20,8 +20,9 @@ _GENERAL = {
 
 
 def kinds() -> dict[str, str]:
-    """Return the kinds of files, which follow `handcart-` in the key `format`, each with the import path of
-    its model.
+    """Return all kinds of files, each with the import path of the model by which it is checked.
+
+    A kind is the part of a file's key `format` after `handcart-`.
     """
     found = dict(_GENERAL)
     for domain in domains():
@@ -35,7 +36,7 @@ def is_urdf(path: Path) -> bool:
 
 
 def robots_beside(urdf: Path) -> list[Path]:
-    """Return the robot files in a URDF's folder that name it."""
+    """Return the robot files in a URDF's folder that name this URDF."""
     from ruamel.yaml.error import YAMLError
 
     from handcart.files.errors import InputError
@@ -53,6 +54,9 @@ def robots_beside(urdf: Path) -> list[Path]:
 
 
 def model_of(kind: str) -> Any:
-    """Return the model of a kind of file; raises KeyError for an unknown one."""
+    """Return the model by which files of a kind are checked.
+
+    Raises: KeyError: the kind is unknown.
+    """
     found = imported(kinds()[kind])
     return found() if isfunction(found) else found

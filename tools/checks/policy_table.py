@@ -20,11 +20,12 @@ FOUND_SHARE = 1e-3
 
 
 def comparison_lines(found: PolicyComparison, person_s: float) -> Iterator[str]:
-    """Yield the table of both policies, and the decisions in which they differ, as lines of text.
+    """Yield a table of the rule and the best policy, and the decisions in which they differ, as lines of
+    text.
 
     Args:
-        found: the rule and the best policy, with their prices.
-        person_s: price in [s] of an end short of the goal, at which a person has to come.
+        found: comparison of the rule and the best policy, with their prices.
+        person_s: price, in [s], of a run that ends before the goal, because a person has to come.
     """
     yield f"policies side by side (price: time, and {person_s:g} s for each end short of the goal):"
     yield f"  {'policy':<18}{'P(goal)':>20}{'mean':>12}{'95 %':>12}{'price':>20}"

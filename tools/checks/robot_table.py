@@ -28,7 +28,7 @@ SECTIONS = {"can": "can", "ros2": "ros2"}
 
 
 class RobotRow(NamedTuple):
-    """A robot in the table."""
+    """Row of the table of robots, with a robot's backends and the primitives that it can do."""
 
     robot: str
     backends: tuple[str, ...]
@@ -50,8 +50,8 @@ class RobotRow(NamedTuple):
 def robot_table(robots: dict[str, Path] | None = None) -> Iterator[RobotRow]:
     """Yield a row for each robot that has a name.
 
-    A row says what sensors, drives and sections allow. Whether a tray, a tool or postures suit a task is
-    checked with the task.
+    The primitives of a row are those that the robot's sensors, drives and sections of its file allow. Whether
+    its tray, tool or postures are right for a task is checked with the task.
 
     Args:
         robots: files by names (default: all robots that have a name).
@@ -70,7 +70,10 @@ def robot_table(robots: dict[str, Path] | None = None) -> Iterator[RobotRow]:
 
 
 def kinds_of(robot: RobotFile) -> Iterator[type[Capability]]:
-    """Yield the capabilities that a robot has by its file; only a camera on the hand counts as `Camera`."""
+    """Yield the capabilities that a robot has according to its file.
+
+    A camera on the hand is a `Camera`, any other one an `AnyCamera`.
+    """
     yield Base
     if robot.arm is not None:
         yield Arm

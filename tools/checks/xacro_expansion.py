@@ -18,10 +18,10 @@ def is_xacro(file: Path) -> bool:
 
 
 def expanded(file: Path) -> str:
-    """Return the URDF that xacro makes of a file, its meshes named by absolute paths where they are found.
+    """Return the URDF into which xacro expands a file; meshes that are found are named by absolute paths.
 
-    xacro evaluates the Python expressions in the file, though with few functions: nothing calls this but
-    for a file that the user named.
+    xacro evaluates Python expressions in the file, with few functions. Therefore only files that the user has
+    named are expanded.
 
     Raises:
         FileError: `xacrodoc` is not installed, or xacro rejects the file.

@@ -25,7 +25,10 @@ def adopt(
         typer.Option("-o", "--output", help="write the changed file there instead, with its URDFs"),
     ] = None,
 ) -> None:
-    """Show what a run's findings change in the robot's file, or write it; comments and order are kept."""
+    """Print which values of the robot's file a run has calibrated differently, or write them into the file.
+
+    Comments and order of the file are kept.
+    """
     from handcart.backends.description.robot_names import robot_path
     from handcart.backends.loading.robot_loading import load_robot
     from handcart.tools.terminal.writing import write_text

@@ -124,8 +124,9 @@ def check(
 
 
 def check_quietly(file: Path) -> dict[str, Any]:
-    """Return the facts of a file without the checks that take seconds; raises the errors that `check`
-    reports.
+    """Check a file without the checks that take seconds, and return its facts.
+
+    It raises the errors that `check` would report.
     """
     return file_facts(file, {}, CheckOptions(quick=True))
 
@@ -189,8 +190,8 @@ def file_facts(file: Path, settings: dict[str, str], asked: CheckOptions = Check
         asked: options of the command.
 
     Raises:
-        FileError: with all faults of the file.
-        InputError: it names something that does not exist.
+        FileError: the file has faults; the error contains all of them.
+        InputError: the arguments name something that does not exist.
     """
     from handcart.files.maps.map_file import is_map
     from handcart.files.maps.movingai_map import MOVINGAI_SUFFIX

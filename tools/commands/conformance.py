@@ -56,7 +56,11 @@ def conformance(
     jobs: Annotated[int, typer.Option(min=1, help="processes side by side")] = 2,
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
 ) -> None:
-    """Check what the backend declares, inject faults, and plant mutants; status 0 if all holds."""
+    """Test whether a backend and the primitives keep their contracts; the exit status is 0 if they do.
+
+    The backend's declarations are checked, faults are injected into runs, and deliberately faulty primitives
+    (mutants) have to be detected.
+    """
     from handcart.evaluation.conformance.kit import KitSetting, default_robot, run_kit
     from handcart.tasks.task_names import task_path
 

@@ -44,7 +44,10 @@ def do(
         typer.Option("-o", "--output", help="folder for pictures and maps (default: a new one for a map)"),
     ] = None,
 ) -> None:
-    """Run one primitive alone and print its outcome (default: in the library of return_book)."""
+    """Run a single primitive without a task, and print its outcome.
+
+    The default world is the library of the task return_book.
+    """
     from handcart.tools.terminal.first_use import announced
 
     with announced(f"running {primitive}"):

@@ -23,7 +23,10 @@ def robot(
         str | None, typer.Option(help="listen to a bench of this robot in this process instead")
     ] = None,
 ) -> None:
-    """Draft a robot's file from its published topics; marked values are to be measured or chosen."""
+    """Write a first draft of a robot's file from the topics that the robot publishes.
+
+    Values that still have to be measured or chosen are marked.
+    """
     from handcart.files.errors import InputError
 
     if not from_ros:

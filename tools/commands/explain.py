@@ -34,7 +34,9 @@ def explain(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
-    """Explain why an action was chosen, why it failed and how well it was restored, from the run's folder."""
+    """Print, from a run's folder, why an action was chosen, why it failed, and how completely its changes
+    were undone.
+    """
     import orjson
 
     from handcart.evaluation.viewing.explanation.explanation import as_json as json_of

@@ -18,7 +18,10 @@ def import_task(
     problem: Annotated[Path | None, typer.Option("--problem", help="the problem of a PDDL domain")] = None,
     robot: Annotated[str, typer.Option("--robot", help="the robot of the task")] = "librarian",
 ) -> None:
-    """Write a behaviour tree, a state machine or a model as a task; inexpressible parts are reported."""
+    """Convert a behaviour tree, a state machine or a planning model into a task's file.
+
+    Parts that a task can't express are reported.
+    """
     from handcart.evaluation.interchange.importing import import_file, primitives_in
     from handcart.evaluation.interchange.task_draft import GUESSED_COST_S, yaml_text
     from handcart.files.printable import counted, printable

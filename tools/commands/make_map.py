@@ -21,7 +21,10 @@ def make_map(
         float, typer.Option(min=0.001, max=1.0, help="side of a cell, in m")
     ] = RESOLUTION_M,
 ) -> None:
-    """Draw the map of a world as a lidar would survey it: all but surprises, at one height."""
+    """Write the map of a simulated world as a lidar at one height would survey it.
+
+    Things that are declared as surprises of the world are left out.
+    """
     import numpy as np
 
     from handcart.backends.simulation.world_files.load_world import load_world

@@ -22,17 +22,20 @@ STOP_TIMEOUT_S = 10.0  # in which a run has to end after a stop
 
 
 def pause(run: LatestRun = None, as_json: Json = False, number: Number = None) -> None:
-    """Stop the robot where it is; it holds until `handcart continue`."""
+    """Stop the robot of a run where it is; it holds still until `handcart continue`."""
     _say("pause", _or_latest(run), as_json, **_meant(number))
 
 
 def go_on(run: Run, as_json: Json = False, number: Number = None) -> None:
-    """Continue after a pause; if the robot was moved by hand meanwhile, the action restores."""
+    """Continue a run after a pause.
+
+    If the robot was moved by hand during the pause, the changes of the running action are undone first.
+    """
     _say("continue", run, as_json, **_meant(number))
 
 
 def stop(run: LatestRun = None, as_json: Json = False) -> None:
-    """Stop the robot where it is; it holds, and the run ends. Waits until it is over."""
+    """Stop the robot where it is, end the run, and wait until it has ended; the robot holds still."""
     from handcart.networks.operator.asking import tell_to_stop
 
     run = _or_latest(run)
@@ -42,27 +45,34 @@ def stop(run: LatestRun = None, as_json: Json = False) -> None:
 
 
 def cancel(run: Run, as_json: Json = False, number: Number = None) -> None:
-    """Restore what the running action changed, then end the run: the robot moves."""
+    """Undo what the running action has changed, for which the robot moves, and then end the run."""
     _say("cancel", run, as_json, **_meant(number))
 
 
 def restore(run: Run, as_json: Json = False, number: Number = None) -> None:
-    """Restore what the running action changed, count that as its Fail, and continue: the robot moves."""
+    """Undo what the running action has changed, for which the robot moves; the action ends in Fail, the run
+    continues.
+    """
     _say("restore", run, as_json, **_meant(number))
 
 
 def permit(run: Run, as_json: Json = False, action: int | None = None) -> None:
-    """Permit the action that waits; with its number, only that one."""
+    """Permit the action that waits for the operator; if `action` is given, only the action with this
+    number.
+    """
     _say("permit", run, as_json, **_chosen(action))
 
 
 def refuse(run: Run, as_json: Json = False, action: int | None = None) -> None:
-    """Refuse the action that waits: that counts as its Fail."""
+    """Refuse the action that waits for the operator, so that it ends in Fail."""
     _say("refuse", run, as_json, **_chosen(action))
 
 
 def step(run: Run, as_json: Json = False, off: Off = False) -> None:
-    """Ask before every action from now on, as after `handcart run --step`; `--off` ends that."""
+    """Let a run wait for the operator before every action from now on, or no longer with `--off`.
+
+    The effect is that of `handcart run --step`.
+    """
     _say("step", run, as_json, on=not off)
 
 
@@ -72,12 +82,14 @@ def break_at(
     as_json: Json = False,
     off: Off = False,
 ) -> None:
-    """Ask before each action that starts from a situation; `--off` ends that."""
+    """Let a run wait for the operator before each action that starts from a situation, or no longer with
+    `--off`.
+    """
     _say("break", run, as_json, at=situation, on=not off)
 
 
 def status(run: LatestRun = None, as_json: Json = False) -> None:
-    """Report the state of a run."""
+    """Print the present state of a run."""
     _say("status", _or_latest(run), as_json)
 
 

@@ -40,7 +40,7 @@ def resume(
     node_namespace: Annotated[str, typer.Option(help="namespace of --node's topics and services")] = "",
     as_json: Annotated[bool, typer.Option("--json", help="end with one JSON object on stdout")] = False,
 ) -> None:
-    """Report the known, expected and unknown state of a run that broke off, then resume it."""
+    """Print what is known, expected and unknown of the state of an interrupted run, then resume the run."""
     from handcart.tools.terminal.first_use import first_words
 
     with first_words("loading the run") as progress_begins:
@@ -97,8 +97,9 @@ def ack(
     run: RunFolder,
     record: Annotated[int, typer.Argument(help="the record that waits, as `run` or `resume` shows it")],
 ) -> None:
-    """Acknowledge a GiveUp, or a real robot's interrupted action: everything is as it was before the
-    action.
+    """Acknowledge that, after a GiveUp or an interruption, everything is again as it was before the action.
+
+    The run can then be resumed.
     """
     from handcart.files.printable import printable
     from handcart.networks.operator.acknowledging import acknowledge

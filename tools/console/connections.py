@@ -23,11 +23,11 @@ SILENT_S = 10.0
 
 
 class Connections:
-    """Factory of connections that keeps room for clients with the token.
+    """Factory of a web server's connections that always has room for clients with the access token.
 
-    A connection is unknown until it sends a request with the token. If there are too many unknown ones, the
-    oldest is closed, never a new one: any process of this machine can open hundreds, and a STOP has to
-    arrive all the same.
+    A connection is unknown until it sends a request with the token. Any process of this machine can open
+    hundreds of unknown connections, but a STOP has to arrive nevertheless. So if there are too many of them,
+    the oldest unknown connection is closed, and never a new one.
     """
 
     def __init__(self, has_token: Callable[[web.Request], bool]) -> None:
@@ -51,7 +51,9 @@ class Connections:
 
     @web.middleware
     async def heard(self, request: web.Request, handler: Handler) -> web.StreamResponse:
-        """Note that a connection has sent a request, with or without the token, and pass the request on."""
+        """Record that a connection has sent a request, and whether with the access token, then pass the
+        request on.
+        """
         self._silent.discard(request.protocol)
         if self._has_token(request) and len(self._known) < MOST_KNOWN:
             self._known.add(request.protocol)

@@ -19,7 +19,10 @@ def console(
         typer.Option(help="address to listen at, instead of this machine alone; the token permits commands"),
     ] = None,
 ) -> None:
-    """Show all runs in the browser and command them, until Ctrl-C; the runs do not depend on the console."""
+    """Serve the console, a web page that shows and controls all runs, until Ctrl-C.
+
+    The runs do not depend on the console.
+    """
     from handcart.files.extras import lack
     from handcart.files.printable import printable
     from handcart.tools.terminal.asked_to_end import AskedToEnd

@@ -23,11 +23,13 @@ TICKETS_PATH = "/ticket/"
 
 
 class Guard(OwnPage):
-    """Middleware that refuses unauthorized requests with a status and a reason, before anything is done."""
+    """Middleware of the server that refuses unauthorized requests, with a status and a reason, before they
+    are handled.
+    """
 
     @web.middleware
     async def check(self, request: web.Request, handler: Handler) -> web.StreamResponse:
-        """Check a request: the middleware of the server."""
+        """Pass an authorized request on to its handler, and answer any other one with a refusal."""
         refused = self._refused(request)
         if refused is not None:
             return refused
@@ -68,7 +70,7 @@ class Guard(OwnPage):
 
 
 def said(status: int, words: str) -> web.Response:
-    """Return an answer of the server that has text alone.
+    """Return a response that contains only a text, as its error message.
 
     Args:
         status: HTTP status.

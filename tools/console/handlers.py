@@ -39,7 +39,7 @@ SANDBOX_POLICY = (
 
 
 class Handlers:
-    """Handlers of the page's requests."""
+    """Handlers of the requests that the console's web page sends to the server."""
 
     def __init__(self, watcher: Watcher) -> None:
         """Handle requests about the runs that `watcher` observes."""
@@ -47,7 +47,7 @@ class Handlers:
         self._details = KeptDetails()
 
     def routes(self) -> list[web.RouteDef]:
-        """Return the routes of the application."""
+        """Return the routes of the web application, each with its handler."""
         return [
             web.get("/api/events", self.events),
             web.get("/api/runs/{run}", self.run),
@@ -63,7 +63,9 @@ class Handlers:
         ]
 
     async def events(self, request: web.Request) -> web.StreamResponse:
-        """Stream all runs and the holder of the lease: a line of JSON now, and one for each change."""
+        """Stream the states of all runs, and who may command them, as lines of JSON: one now, and one after
+        each change.
+        """
         tab = _tab(request)
         answer = web.StreamResponse(headers={"Content-Type": "application/x-ndjson"})
         await answer.prepare(request)
@@ -90,7 +92,9 @@ class Handlers:
         return web.Response(body=details, content_type="application/json")
 
     async def after(self, request: web.Request) -> web.Response:
-        """Answer with P(goal) if the waiting action is permitted, has succeeded or is refused."""
+        """Send the probabilities of reaching the goal if the waiting action is permitted, has succeeded, or
+        is refused.
+        """
         folder, action = self._folder(request), request.match_info["action"]
         state = next(item for item in self._watcher.states() if item["name"] == request.match_info["run"])
         asks = state.get("asks")
@@ -100,13 +104,15 @@ class Handlers:
         return found if isinstance(found, web.Response) else _json(found)
 
     async def why(self, request: web.Request) -> web.Response:
-        """Answer why an action was chosen, and what its alternatives promised."""
+        """Send the reason why an action was chosen, with the success probabilities and times of its
+        alternatives.
+        """
         folder, number = self._folder(request), int(request.match_info["number"])
         found = await self._away(lambda: RunDetails(folder, True).why(number))
         return found if isinstance(found, web.Response) else _json(found)
 
     async def file(self, request: web.Request) -> web.Response:
-        """Answer with a picture that the robot took."""
+        """Send a picture that the robot has taken during a run."""
         folder, name = self._folder(request), request.match_info["file"]
         where, _, file = name.rpartition("/")
         if where != EVIDENCE_PATH or not file.endswith(EVIDENCE_SUFFIXES):
@@ -116,7 +122,7 @@ class Handlers:
         return content if isinstance(content, web.Response) else web.Response(body=content, content_type=kind)
 
     async def command(self, request: web.Request) -> web.Response:
-        """Send a command to a run, if this page holds the lease."""
+        """Pass a command on to a run, if the requesting browser tab has the right to command."""
         folder, message = self._folder(request), await _body(request)
         if not self._lease.holds(_tab(request)):
             return said(423, f"{self._lease.holder()['name'] or 'nobody'} commands; take the command first")
@@ -134,7 +140,10 @@ class Handlers:
         return _json(reply, 200 if reply["ok"] else 409)
 
     async def stop(self, request: web.Request) -> web.Response:
-        """Stop a run: allowed to every client, at once, with nothing to wait for (rows U8, U9)."""
+        """Stop a run at once; every client with access may do so, also without the right to command.
+
+        Rows U8 and U9 of docs/reference/faults.md.
+        """
         folder = self._folder(request)
         try:
             tell_to_stop(folder)
@@ -143,7 +152,11 @@ class Handlers:
         return _json({"ok": True})
 
     async def acknowledge(self, request: web.Request) -> web.Response:
-        """Acknowledge a GiveUp, with the record and the cause that was read (row U12)."""
+        """Acknowledge a GiveUp of a run, if the request names its record and cause as the operator has read
+        them.
+
+        Row U12 of docs/reference/faults.md.
+        """
         folder, word = self._folder(request), await _body(request)
         if not self._lease.holds(_tab(request)):
             return said(423, f"{self._lease.holder()['name'] or 'nobody'} commands; take the command first")
@@ -154,7 +167,7 @@ class Handlers:
         return reason if isinstance(reason, web.Response) else _json({"ok": True, "reason": reason})
 
     async def lease(self, request: web.Request) -> web.Response:
-        """Take or release the right to command."""
+        """Give the right to command to the requesting browser tab, or release it."""
         word, tab = await _body(request), _tab(request)
         name = word.get("name")
         if not tab:
@@ -169,14 +182,16 @@ class Handlers:
         return _json({"ok": True, "lease": self._lease.holder()})
 
     async def ticket(self, request: web.Request) -> web.Response:
-        """Issue a ticket that opens one of a run's own pages once."""
+        """Send the address of a new ticket, with which one of the pages in a run's folder can be opened
+        once.
+        """
         folder, word = self._folder(request), await _body(request)
         if word.get("page") not in RUN_PAGES:
             return said(404, f"unknown page; allowed: {', '.join(RUN_PAGES)}")
         return _json({"ok": True, "url": TICKETS_PATH + self._tickets.give(folder, str(word["page"]))})
 
     async def page(self, request: web.Request) -> web.Response:
-        """Answer with the page that a ticket opens."""
+        """Send the page of a run for which a ticket was issued."""
         ticket = self._tickets.take(request.match_info["word"])
         if ticket is None:
             return said(403, "this address was valid once, within half a minute; the console opens it again")

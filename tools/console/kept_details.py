@@ -18,21 +18,21 @@ Away = Callable[[Callable[[], Any]], Awaitable[Any]]
 
 
 class KeptDetails:
-    """Cache of the details of the last requested runs, ready to send."""
+    """Cache of the details of the runs requested last, as JSON that is ready to be sent."""
 
     def __init__(self) -> None:
         """Create an empty cache."""
         self._kept: dict[Path, tuple[object, asyncio.Future[Any]]] = {}
 
     async def of(self, folder: Path, alive: bool, situation: str | None, away: Away) -> Any:
-        """Return a run's details as JSON, read once for all clients.
+        """Return a run's details as JSON; they are read only once for all clients that request them.
 
         Args:
             folder: the run's folder.
             alive: True while the run is running.
-            situation: the situation that the run itself reports.
-            away: executes slow work outside the event loop; its error response is returned if reading
-                fails.
+            situation: the situation of the network that the run itself reports; None if it reports none.
+            away: function that runs slow work outside the event loop; if reading fails, its error response is
+                returned.
         """
         written = ("journal.jsonl", EVIDENCE_PATH, ADDRESS, *RUN_PAGES)
         mark = alive, situation, *(_mark(folder / name) for name in written)

@@ -23,30 +23,32 @@ class Lease:
         self._open: dict[str, int] = {}
 
     def holds(self, tab: str) -> bool:
-        """Return whether that tab may command now."""
+        """Return whether a browser tab has the right to command now."""
         return bool(tab) and self._current() == tab
 
     def take(self, tab: str, name: str) -> None:
-        """Give the lease to a tab, whichever tab had it before.
+        """Give the right to command to a browser tab, whichever tab had it before.
 
         Args:
-            tab: identifier of the tab.
+            tab: identifier of the browser tab.
             name: name of the operator, which all tabs show.
         """
         self._holder, self._name = tab, name
         self._since_gone = self._clock()
 
     def release(self, tab: str) -> None:
-        """Release the lease; without effect if another tab has it."""
+        """Take the right to command from a browser tab; without effect if another tab has it."""
         if self._holder == tab:
             self._holder = self._name = ""
 
     def connected(self, tab: str) -> None:
-        """Note that a tab has opened a connection."""
+        """Record that a browser tab has opened a connection to the server."""
         self._open[tab] = self._open.get(tab, 0) + 1
 
     def gone(self, tab: str) -> None:
-        """Note that a tab has closed a connection; it keeps the lease until a short time has passed."""
+        """Record that a browser tab has closed a connection; the tab keeps the right to command for a short
+        time.
+        """
         left = self._open.pop(tab, 1) - 1
         if left > 0:
             self._open[tab] = left
@@ -54,8 +56,10 @@ class Lease:
             self._since_gone = self._clock()
 
     def holder(self) -> dict[str, Any]:
-        """Return identifier (`tab`) and `name` of the tab that may command, for all clients; "" if none
-        may.
+        """Return who has the right to command: the identifier (`tab`) of the browser tab, and the operator's
+        `name`.
+
+        Both are empty if nobody has it.
         """
         return {"tab": self._current(), "name": self._name}
 

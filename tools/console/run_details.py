@@ -31,7 +31,7 @@ MOST_ACTIONS = 500
 
 
 class RunDetails:
-    """Details of a run, running or over."""
+    """Details of a run for the console, computed from its journal while it is running or after its end."""
 
     def __init__(self, folder: Path, alive: bool) -> None:
         """Read the journal of a run.
@@ -42,7 +42,9 @@ class RunDetails:
         self._folder, self._alive, self._run = folder, alive, read_run(folder)
 
     def summary(self, situation: str | None) -> dict[str, Any]:
-        """Return the details shown on the page; `situation` is the one that a running run reports."""
+        """Return the details of the run that the console's page shows; `situation` is the one that a running
+        run reports.
+        """
         run = self._run
         end = run.end
         last = str(end["situation"]) if end else (run.actions[-1].source if run.actions else "")
@@ -70,7 +72,8 @@ class RunDetails:
             action: index of the waiting action in the network.
 
         Returns:
-            `permitted`, `succeeded` and `refused`; or the reason, as `unknown`, why they cannot be computed.
+            the probabilities `permitted`, `succeeded` and `refused`; or, as `unknown`, the reason why they
+            cannot be computed.
         """
         run = self._run
         try:
@@ -88,8 +91,8 @@ class RunDetails:
             number: number of the action in the run, from 1.
 
         Returns:
-            `why`: each alternative with its P(goal) and time, line by line; or the reason, as `unknown`, why
-            that is not known.
+            `why`: a line for each alternative, with its probability of reaching the goal and its time; or, as
+            `unknown`, the reason why the alternatives are not known.
 
         Raises:
             JournalError: the journal's content is inconsistent.

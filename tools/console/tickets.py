@@ -12,7 +12,7 @@ MAX_TICKETS = 100
 
 
 class Ticket(NamedTuple):
-    """Permission to open one file, once."""
+    """Permission to open one file of a run in the browser, once, without the access token."""
 
     folder: Path
     name: str
@@ -20,7 +20,7 @@ class Ticket(NamedTuple):
 
 
 class Tickets:
-    """Tickets that were issued and not used."""
+    """Collection of the tickets that were issued and are not used yet."""
 
     def __init__(self) -> None:
         """Create an empty collection."""
@@ -40,6 +40,8 @@ class Tickets:
         return word
 
     def take(self, word: str) -> Ticket | None:
-        """Return the ticket of that word and invalidate it; None if it is unknown or too old."""
+        """Return the ticket that was issued with a random word, and invalidate it; None if it is unknown or
+        too old.
+        """
         ticket = self._given.pop(word, None)
         return ticket if ticket is not None and time.monotonic() < ticket.until else None

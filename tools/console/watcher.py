@@ -53,7 +53,9 @@ class Watcher:
             await asyncio.sleep(LOOKS_S)
 
     async def away(self, work: Any, *words: Any) -> Any:
-        """Run a slow function in a thread beside the server's loop."""
+        """Run a slow function in a thread, so that it does not block the server's event loop, and return its
+        result.
+        """
         return await asyncio.get_running_loop().run_in_executor(self._pool, work, *words)
 
     async def tell_all(self) -> None:
@@ -63,14 +65,21 @@ class Watcher:
             self._changed.notify_all()
 
     async def newer(self, version: int, patience: float) -> int:
-        """Wait until there is a newer version, at most `patience` [s]; return the current version."""
+        """Wait until the runs' states have changed since `version`, and return the number of their present
+        version.
+
+        Args: version: version that the client has. patience: longest time to wait, in [s].
+        """
         async with self._changed:
             with suppress(TimeoutError):
                 await asyncio.wait_for(self._changed.wait_for(lambda: self._version > version), patience)
             return self._version
 
     def folder_of(self, name: str) -> Path | None:
-        """Return a run's folder by its name; None if no listed run has exactly this name (row U14)."""
+        """Return a run's folder by its name; None if no listed run has exactly this name.
+
+        Row U14 of docs/reference/faults.md.
+        """
         listed = self._listed.get(name)
         return None if listed is None else listed.folder
 
@@ -88,7 +97,7 @@ class Watcher:
         return [self._state(name, listed) for name, listed in self._listed.items()]
 
     def close(self) -> None:
-        """Stop the pending work."""
+        """Stop the threads of `away`; work that has not begun is cancelled."""
         self._pool.shutdown(wait=False, cancel_futures=True)
 
     def _list(self) -> dict[str, ListedRun]:

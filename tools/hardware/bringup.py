@@ -42,7 +42,10 @@ def bringup(
     folder: Annotated[Path, typer.Option(help="the records' folder is made in there")] = Path("bringup"),
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
-    """Do the next step of the procedure from first power to the task; each is recorded, none is skipped."""
+    """Do the next step of bringing up a new robot, a procedure from the first power-on to the first task.
+
+    Each step is recorded, and none can be skipped.
+    """
     from handcart.tools.terminal.writing import check_folder
 
     if wrong and not (ros2 and bench):

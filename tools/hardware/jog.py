@@ -23,7 +23,10 @@ def jog(
     ] = None,
     slower: Annotated[float, typer.Option(min=0.01, max=1.0, help="share of the hand's 250 mm/s")] = 1.0,
 ) -> None:
-    """Move one axis while the space bar is held, the hand at 250 mm/s at most; letting go stops it."""
+    """Move one axis of a robot while the space bar is pressed; releasing it stops the axis.
+
+    The hand moves at 250 mm/s at most.
+    """
     from pathlib import Path
 
     from handcart.backends.loading.robot_loading import load_robot

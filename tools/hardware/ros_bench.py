@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class RosBenchOptions(NamedTuple):
-    """Options of a simulated robot behind topics, and the duration of its service."""
+    """Options for simulating a robot behind ROS 2 topics, with the duration of the simulation."""
 
     robot: str
     """Name or path of the robot; that of the task where one is given."""
@@ -32,10 +32,10 @@ class RosBenchOptions(NamedTuple):
 
 
 def serve_topics(options: RosBenchOptions) -> None:
-    """Serve the topics of a simulated robot in real time.
+    """Simulate a robot behind its ROS 2 topics in real time.
 
     Raises:
-        InputError: no such robot, backend, world or fault.
+        InputError: the robot, backend, world or a fault is unknown.
         NoRos: rclpy is not installed.
     """
     from handcart.backends.ros2.bench.bench_faults import BenchFaults, TopicFault
@@ -69,7 +69,7 @@ def serve_topics(options: RosBenchOptions) -> None:
 
 
 def list_topic_faults() -> None:
-    """Print the faults that a bench of topics can have."""
+    """Print the faults that can be injected into a robot simulated behind ROS 2 topics."""
     from handcart.backends.ros2.bench.bench_faults import FAULT_KINDS
     from handcart.backends.ros2.bench.robot_differences import FIXED_NAMES
 

@@ -52,7 +52,10 @@ def teach(
     from_posture: Annotated[str | None, typer.Option(help="a posture in the file, to copy")] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="only show what would change")] = False,
 ) -> None:
-    """Record a posture into a robot's file, comments and order kept; shows the change."""
+    """Write a named posture of the arm into a robot's file, and print the change.
+
+    Comments and order of the file are kept.
+    """
     from handcart.backends.description.robot_names import robot_path
     from handcart.backends.loading.robot_loading import load_robot
     from handcart.tools.terminal.writing import write_text

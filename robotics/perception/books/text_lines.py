@@ -24,10 +24,12 @@ class TextLine(NamedTuple):
 
 
 def text_lines(page: ByteArray) -> list[TextLine]:
-    """Return the lines on a label, from top to bottom; if none is found, one of half the label's height.
+    """Return the lines of text on a label, from top to bottom.
+
+    If no line is found, a single line is returned whose capitals are half as high as the label.
 
     Args:
-        page: (h, w), grey: the label without its border, text running left to right.
+        page: (h, w), grey picture of the label without its border, with text running from left to right.
     """
     height, width = page.shape
     rim = max(1, width // 12)

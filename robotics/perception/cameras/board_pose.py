@@ -16,7 +16,7 @@ _LEAST_NOISE = 0.02  # [px]: no corner is believed to be better
 
 
 class PosedBoard(NamedTuple):
-    """Pose of a board estimated from one view."""
+    """Pose of a calibration board estimated from one view, with its covariance."""
 
     camera_T_board: Transform
     """Pose (4, 4) of the board."""
@@ -27,7 +27,7 @@ class PosedBoard(NamedTuple):
 
 
 def pose_board(view: BoardView, camera: CameraModel) -> PosedBoard:
-    """Return camera_T_board that explains the corners best, with its covariance.
+    """Return the pose camera_T_board of a calibration board that fits its corners in one image best.
 
     Raises:
         ValueError: the corners are not an image of a board.

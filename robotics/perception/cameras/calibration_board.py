@@ -12,7 +12,7 @@ from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 
 
 class BoardView(NamedTuple):
-    """Corners of the board in one image."""
+    """Corners of a calibration board that were found in one image, with their positions on the board."""
 
     points: FloatArray
     """(n, 3) of the corners in the board's frame in [m]; origin in the middle, x right, y up, z out of it."""
@@ -21,7 +21,7 @@ class BoardView(NamedTuple):
 
 
 class CalibrationBoard(ABC):
-    """A pattern of squares; `draw` it, print it, glue it on something flat."""
+    """Base class of calibration boards, flat patterns of squares whose corners are found in images."""
 
     def __init__(self, columns: int, rows: int, square: float) -> None:
         """Create a board of `columns` by `rows` squares with sides of `square` [m]."""
@@ -36,7 +36,7 @@ class CalibrationBoard(ABC):
         return float(self._size[0]), float(self._size[1])
 
     def draw(self, m_per_px: float = 1.25e-4) -> ByteArray:
-        """Return the board as a grey image (h, w) for printing, without a margin.
+        """Return the board's pattern as a grey image (h, w) for printing, without a margin.
 
         Args:
             m_per_px: size of a pixel, in [m].
@@ -46,7 +46,9 @@ class CalibrationBoard(ABC):
 
     @abstractmethod
     def find(self, image: ByteArray) -> BoardView | None:
-        """Return the corners in an image (h, w), grey, or None if there are too few to identify the board."""
+        """Return the board's corners in a grey image (h, w); None if too few are visible to identify the
+        board.
+        """
 
     @abstractmethod
     def _drawn(self, width: int, height: int) -> ByteArray:

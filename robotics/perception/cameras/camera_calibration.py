@@ -28,7 +28,7 @@ _MORE_OF_THE_LENS = ((cv2.CALIB_ZERO_TANGENT_DIST, [2, 3]), (cv2.CALIB_FIX_K3, [
 
 
 class CameraCalibration(NamedTuple):
-    """Result of a calibration: camera model and its accuracy."""
+    """Result of calibrating a camera, with the camera model and its accuracy."""
 
     camera: CameraModel
     sigmas: FloatArray
@@ -48,11 +48,11 @@ def calibrate_camera(
     worst_rms: float = 0.5,
     square_pixels: bool = False,
 ) -> CameraCalibration:
-    """Calibrate intrinsics, and as many lens coefficients as the views support.
+    """Return a camera's intrinsics, and as many coefficients of its lens as the views determine.
 
-    Zhang, "A flexible new technique for camera calibration" (2000). k1 and k2 are always fitted; p1 and
-    p2, then k3 if they are significant and Bayes' information criterion (Schwarz, 1978) improves with
-    them.
+    The method is that of Zhang, "A flexible new technique for camera calibration" (2000). k1 and k2 are
+    always fitted. p1 and p2, and then k3, are fitted if they are significant and improve Bayes' information
+    criterion (Schwarz, 1978).
 
     Args:
         views: corners of one board in at least `FEWEST_VIEWS` images.
@@ -62,9 +62,9 @@ def calibrate_camera(
         square_pixels: True to fit one focal length for both axes.
 
     Raises:
-        ValueError: too few views, or views too much alike (a board that is always seen straight on does not
-            determine the focal length; lens distortion isn't seen where no corners are), or the fit is worse
-            than `worst_rms`.
+        ValueError: there are too few views; or the views are too similar to determine all values, for example
+            if the board is always seen straight on, or there are no corners in parts of the image; or the fit
+            is worse than `worst_rms`.
     """
     _check_views(views, width, height)
     flags = cv2.CALIB_FIX_ASPECT_RATIO if square_pixels else 0

@@ -14,9 +14,10 @@ FISHEYE_FAILED = 1e5  # of a ray from OpenCV that its fisheye model has not foun
 
 
 class CameraModel(NamedTuple):
-    """A camera with a lens; an integer pixel is a pixel's centre.
+    """Model of a camera with its lens, which relates points in space to pixels.
 
-    Camera frame: z forward, x right, y down.
+    The camera frame has z forward, x to the right and y down. Integer coordinates are those of a pixel's
+    centre.
     """
 
     K: FloatArray
@@ -34,8 +35,8 @@ class CameraModel(NamedTuple):
     def project(self, points: FloatArray) -> FloatArray:
         """Return the pixels (n, 2) of points, column and row in [px].
 
-        Points behind the camera give NaN, and so do points farther off the axis than the lens model holds
-        (`fold_radius`): beyond, it maps them back into the picture.
+        Points behind the camera give NaN. So do points farther off the axis than the lens model is valid
+        (`fold_radius`), because it would map them back into the picture.
 
         Args:
             points: (n, 3) in the camera frame, in [m].
@@ -54,8 +55,10 @@ class CameraModel(NamedTuple):
         return result
 
     def undistort(self, pixels: FloatArray) -> FloatArray:
-        """Return the rays (n, 2) through pixels: x/z and y/z in the camera frame, without unit; NaN if not
-        found.
+        """Return the rays (n, 2) through pixels, x/z and y/z in the camera frame, with lens distortion
+        removed.
+
+        A ray is NaN if the iteration finds none.
 
         Args:
             pixels: (n, 2) column and row, in [px].
@@ -72,10 +75,10 @@ class CameraModel(NamedTuple):
         return result
 
     def pixel_on_plane(self, pixels: FloatArray, camera_T_plane: FloatArray, x: float = 0.0) -> FloatArray:
-        """Return where the rays through pixels meet a plane parallel to x = 0 of a frame.
+        """Return the points at which rays through pixels meet a plane parallel to x = 0 of a frame.
 
-        The plane is x = const, not z, because shelf frames point x into the shelf. Rays that meet it behind
-        the camera or not at all give NaN.
+        The plane is one of constant x, not z, because in shelf frames x points into the shelf. Rays that meet
+        the plane behind the camera or not at all give NaN.
 
         Args:
             pixels: (n, 2) column and row, in [px].
@@ -94,7 +97,7 @@ class CameraModel(NamedTuple):
         return points
 
     def plane_in_image(self, points: FloatArray, camera_T_plane: FloatArray, x: float = 0.0) -> FloatArray:
-        """Return the pixels (n, 2) of points on a plane, column and row in [px]: the inverse of
+        """Return the pixels (n, 2), column and row in [px], of points on a plane; the inverse of
         `pixel_on_plane`.
 
         Args:
@@ -106,12 +109,14 @@ class CameraModel(NamedTuple):
         return self.project(space @ camera_T_plane[:3, :3].T + camera_T_plane[:3, 3])
 
     def rectify(self, image: ByteArray, picture_to_rays: FloatArray, size: tuple[int, int]) -> ByteArray:
-        """Return the picture (h, w), grey, of a flat sheet, without lens distortion; pixels outside of the
-        image are 0.
+        """Return a grey picture (h, w) of a flat sheet, without lens distortion and perspective.
+
+        Pixels outside of the image are 0.
 
         Args:
             image: (h, w), grey.
-            picture_to_rays: (3, 3) takes (column, row, 1) of the picture to a ray of the camera frame.
+            picture_to_rays: (3, 3) homography from (column, row, 1) of the picture to a ray in the camera
+                frame.
             size: width and height of the picture, in [px].
         """
         # OpenCV inverts its "new camera matrix" to get exactly this map; any homography does.
@@ -137,7 +142,7 @@ def picture_of_plane(
 ) -> FloatArray:
     """Return the homography (3, 3) from (column, row, 1) of a picture of a plane to rays of the camera frame.
 
-    The picture shows the plane from -x of its frame: y runs to the left, z up.
+    The picture shows the plane as seen from the side of -x of its frame, with y to the left and z up.
 
     Args:
         camera_T_plane: (4, 4) pose of the plane's frame.

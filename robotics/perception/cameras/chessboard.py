@@ -15,11 +15,13 @@ _WINDOW = (2, 5)  # [px] that is looked at to each side, at least and at most
 
 
 class Chessboard(CalibrationBoard):
-    """A chessboard, all of it in the image. Its upper left square is the black one of two opposite corners.
+    """Chessboard for calibrating a camera, which has to be completely in the image.
 
-    A corner is the point towards which all gradients around it are perpendicular (Förstner and Gülch,
-    1987). If columns plus rows is even, the board looks the same after half a turn, and a view may be
-    turned by that. It still calibrates the lens, but not the camera's mount.
+    Its upper left square is black; if the square at the opposite corner is white, the board's orientation is
+    known by that. A corner is refined to the point to which all gradients around it are perpendicular
+    (Förstner and Gülch, 1987). If columns plus rows is even, the board looks the same after half a turn, so
+    that its pose may be wrong by half a turn. Such a board can calibrate the lens, but not the camera's pose
+    on the robot.
     """
 
     def __init__(self, columns: int, rows: int, square: float) -> None:
@@ -28,9 +30,7 @@ class Chessboard(CalibrationBoard):
         self._inner = (columns - 1, rows - 1)
 
     def find(self, image: ByteArray) -> BoardView | None:
-        """Return the board in an image (h, w), grey; None unless all its corners are visible. See
-        `CalibrationBoard`.
-        """
+        """Return the board's corners in a grey image (h, w); None unless the complete board is visible."""
         found, rough = cv2.findChessboardCorners(image, self._inner, flags=_FLAGS)
         if not found:
             return None

@@ -26,7 +26,7 @@ _LEAST_ARM_ERROR = 1e-6  # [m]
 
 
 class HandEyeView(NamedTuple):
-    """The board as seen from one posture of the arm."""
+    """View of a calibration board from one posture of the arm, with the pose of the hand."""
 
     base_T_hand: Transform
     """Pose (4, 4) of the hand by the arm's joints."""
@@ -34,7 +34,9 @@ class HandEyeView(NamedTuple):
 
 
 class HandEyeCalibration(NamedTuple):
-    """Pose of the camera on the hand, with residuals."""
+    """Result of a hand-eye calibration, the pose of the camera on the hand with its accuracy and
+    residuals.
+    """
 
     hand_T_camera: Transform
     """Pose (4, 4) of the camera."""
@@ -57,10 +59,10 @@ def calibrate_hand_eye(
 ) -> HandEyeCalibration:
     """Return hand_T_camera from views by a calibrated camera, with the base at rest.
 
-    OpenCV's closed forms give a start. From there hand_T_camera and base_T_board are adjusted until the
-    board's poses fit best, each weighted by the accuracy of its corners and by the arm's own error, which
-    is estimated along with them. (Minimizing the corners' distances in the images would take the arm for
-    exact, and is worse than the closed forms.)
+    OpenCV's closed forms give start values. Then hand_T_camera and base_T_board are adjusted until the
+    board's poses fit best. Each pose is weighted by the accuracy of its corners and by the arm's own error,
+    which is estimated too. Minimizing the distances of the corners in the images would assume an exact arm,
+    and give worse results than the closed forms.
 
     Args:
         views: at least `FEWEST_VIEWS` views of a board that lies still.
@@ -68,9 +70,9 @@ def calibrate_hand_eye(
         worst_offset: largest accepted distance of a view's board centre from the common one, in [m].
 
     Raises:
-        ValueError: too few views, or the hand turned too little or around one axis only (the camera's offset
-            along that axis is then unknown), or a view puts the board's centre more than `worst_offset`
-            from the common one.
+        ValueError: there are too few views; or the hand turned too little, or around one axis only, so that
+            the camera's offset along that axis is unknown; or the board's centre in a view is more than
+            `worst_offset` from the common one.
     """
     _check(views)
     boards = [pose_board(view.board, camera) for view in views]

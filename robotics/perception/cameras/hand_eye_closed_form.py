@@ -22,9 +22,10 @@ HAND_EYE_METHODS = {
 def closed_form(
     base_T_hand: Sequence[Transform], camera_T_board: Sequence[Transform], method: str
 ) -> Transform | None:
-    """Return hand_T_camera (4, 4) by one of OpenCV's methods; None if it breaks down.
+    """Return hand_T_camera (4, 4) by one of OpenCV's closed-form methods; None if the method fails.
 
-    OpenCV's gripper2base is base_T_hand, its target2cam camera_T_board, its cam2gripper hand_T_camera.
+    In OpenCV's terms gripper2base is base_T_hand, target2cam is camera_T_board, and cam2gripper is
+    hand_T_camera.
 
     Args:
         base_T_hand: poses (4, 4) of the hand.

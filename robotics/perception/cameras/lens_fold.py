@@ -19,10 +19,10 @@ LensKind = Literal["brown", "fisheye"]
 
 
 def fold_radius(distortion: FloatArray, lens: LensKind) -> float:
-    """Return the largest distance from the axis of a ray (x/z, y/z) that the model maps to one pixel alone.
+    """Return the distance from the optical axis, of a ray (x/z, y/z), up to which a lens model is valid.
 
-    Up to there the distance in the picture grows with that of the ray; infinite where it always does. Only
-    the radial terms are looked at.
+    Up to this distance, rays farther from the axis are farther from it in the picture too; beyond it, the
+    model folds back. It is infinite if the model never folds back. Only the radial terms are considered.
 
     Args:
         distortion: coefficients without unit, (4,), (5,) or (8,) for `brown`: k1, k2, p1, p2, k3, k4, k5, k6;

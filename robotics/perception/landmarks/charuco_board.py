@@ -14,8 +14,9 @@ _FEWEST_CORNERS = 6
 
 
 class CharucoBoard(CalibrationBoard):
-    """A board whose corners are identified by the tags around them, so that parts of it suffice in any
-    orientation.
+    """Calibration board whose corners are identified by tags in its squares (ChArUco).
+
+    A part of the board in the image is enough, in any orientation.
     """
 
     def __init__(
@@ -52,7 +53,7 @@ class CharucoBoard(CalibrationBoard):
         self._detector = cv2.aruco.CharucoDetector(self._board, detectorParams=parameters)
 
     def find(self, image: ByteArray) -> BoardView | None:
-        """Return the corners in an image (h, w), or None if there are fewer than six."""
+        """Return the board's visible corners in a grey image (h, w); None if there are fewer than six."""
         pixels, ids, _, _ = self._detector.detectBoard(image)
         if ids is None or len(ids) < _FEWEST_CORNERS:
             return None

@@ -23,7 +23,7 @@ MOVED_BY = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] how far, then
 
 
 class Kind(NamedTuple):
-    """Properties that distinguish landmarks in a picture."""
+    """Kind of a landmark, by the properties that distinguish landmarks in a picture."""
 
     height: float
     """Height (z) in the base frame of the surface on which the landmark lies, in [m]."""
@@ -32,7 +32,7 @@ class Kind(NamedTuple):
 
 
 class PlannedMark(NamedTuple):
-    """A landmark of the plan."""
+    """Landmark of a plan, with the pose at which the plan expects it."""
 
     kind: Kind
     place: Pose2
@@ -56,7 +56,10 @@ class BasePrior(NamedTuple):
     """(3, 3) of x, y in the planned base frame in [m] and heading in [rad]."""
 
     def log_density(self, planned_T_base: Pose2) -> float:
-        """Return the log-density of a pose; the base may also have been moved by people."""
+        """Return the logarithm of the prior's density at a pose of the base.
+
+        The density includes a small probability that people have moved the base.
+        """
         off = np.subtract(planned_T_base, self.planned_T_base)
         off[2] = wrap(float(off[2]))
         moved = _log_normal(off, self.covariance + MOVED_BY)
@@ -64,7 +67,9 @@ class BasePrior(NamedTuple):
 
 
 class MarkAssignment(NamedTuple):
-    """Assignment of the sightings to marks, under one pose of the base."""
+    """Assignment of seen landmarks to landmarks of the plan, under one pose of the base, with its
+    likelihood.
+    """
 
     planned_T_base: Pose2
     marks: tuple[int | None, ...]
@@ -73,7 +78,7 @@ class MarkAssignment(NamedTuple):
     """Log-likelihood of the assignment, up to a constant for all explanations of the same sightings."""
 
     def rivals(self, other: MarkAssignment) -> bool:
-        """Return True if the other explanation has the base elsewhere, by more than 20 mm or 0.05 rad."""
+        """Return True if the base's pose in another assignment differs by more than 20 mm or 0.05 rad."""
         one, two = self.planned_T_base, other.planned_T_base
         return one.distance(two) > APART or one.turn(two) > APART_TURN
 
@@ -81,18 +86,18 @@ class MarkAssignment(NamedTuple):
 def explain(
     marks: Sequence[PlannedMark], seen: Sequence[Sighting], belief: BasePrior, shown: Shown
 ) -> list[MarkAssignment]:
-    """Return all poses of the base from which at least one landmark of the plan is seen, the likeliest first.
+    """Return all poses of the base from which at least one landmark of the plan is seen, the most likely
+    first.
 
-    Each pair of a mark of the plan and a sighting gives a pose of the base; the other sightings, the
-    expected but missing marks, and the prior of the base's pose then give its likelihood (data association
-    by joint compatibility: Neira and Tardós, 2001, with Bar-Shalom's costs of missing and false
-    detections).
+    Each pair of a landmark of the plan and a seen landmark gives a pose of the base. Its likelihood follows
+    from the other seen landmarks, the expected but missing ones, and the prior. This is data association by
+    joint compatibility (Neira and Tardós, 2001), with Bar-Shalom's costs of missing and false detections.
 
     Args:
-        marks: marks of the plan.
-        seen: sightings in all pictures together, each mark once.
+        marks: landmarks of the plan.
+        seen: seen landmarks in all pictures together, each once.
         belief: prior of the base's pose.
-        shown: check that a mark at a pose would have been seen.
+        shown: function that reports whether a landmark at a pose would have been seen.
     """
     found: dict[tuple[int | None, ...], MarkAssignment] = {}
     for sighting in seen:
@@ -106,7 +111,11 @@ def explain(
 
 
 def rivals(explanations: Sequence[MarkAssignment]) -> list[MarkAssignment]:
-    """Return the best explanation, then those that have the base elsewhere and are hardly less likely."""
+    """Return the most likely assignment, then all those with another pose of the base that are hardly less
+    likely.
+
+    Args: explanations: assignments, the most likely first.
+    """
     best = explanations[0]
     close = [explanation for explanation in explanations if explanation.score > best.score - MIN_LOG_RATIO]
     return [best, *(assignment for assignment in close if assignment.rivals(best))]

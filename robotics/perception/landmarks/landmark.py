@@ -15,8 +15,10 @@ PAPER, INK = 244, 22
 
 
 class Landmark(NamedTuple):
-    """A landmark as it was seen. Its frame: origin in the middle, x to the right, y up, z out of the paper;
-    the white field is at the upper left.
+    """Landmark as it was seen in an image.
+
+    Its frame has the origin in the middle, x to the right, y up, and z out of the paper; the white field is
+    at the upper left.
     """
 
     corners: FloatArray
@@ -32,11 +34,11 @@ class Landmark(NamedTuple):
 
 
 def draw_landmark(side: float = 0.06, margin: float = 0.01, m_per_px: float = 1.25e-4) -> ByteArray:
-    """Return the printable sheet of a landmark: a grey image (n, n), y up, `side` + 2 `margin` across.
+    """Return a printable sheet with a landmark as a grey image (n, n), whose side is `side` + 2 `margin`.
 
     Args:
         side: side of the landmark, in [m].
-        margin: white margin around it, in [m].
+        margin: white margin around the landmark, in [m].
         m_per_px: size of a pixel, in [m].
 
     Raises:
@@ -54,7 +56,7 @@ def draw_landmark(side: float = 0.06, margin: float = 0.01, m_per_px: float = 1.
 
 
 def pattern() -> FloatArray:
-    """Return the fields (8, 8) of the landmark from the upper left, without unit: 1 white, 0 black."""
+    """Return the pattern of the landmark, (8, 8) fields from the upper left: 1 white, 0 black."""
     fields = np.zeros((CELLS_ACROSS, CELLS_ACROSS))
     fields[WHITE_FIELD, WHITE_FIELD] = 1.0
     return fields
@@ -63,7 +65,7 @@ def pattern() -> FloatArray:
 def square_corners(side: float) -> FloatArray:
     """Return the corners (4, 3) of a landmark in its own frame, in [m].
 
-    In the order upper left, upper right, lower right, lower left; x is right, y up.
+    They are in the order upper left, upper right, lower right, lower left; x is to the right, y up.
 
     Args:
         side: side of the landmark, in [m].
@@ -81,13 +83,13 @@ def diagonals_meet(corners: FloatArray) -> FloatArray:
 
 
 def seen_landmark(rays: FloatArray, camera: CameraModel, score: float) -> Landmark:
-    """Return the landmark with given corners.
+    """Return the landmark whose corners are on the given rays.
 
     Args:
         rays: (4, 2) rays to the upper left, upper right, lower right and lower left corner, x/z and y/z in
             the camera frame, without unit.
         camera: model of the camera.
-        score: correlation of the square's inside with the landmark's, 0 to 1.
+        score: correlation of the square's inside with the landmark's pattern, 0 to 1.
     """
     both = np.vstack([rays, diagonals_meet(rays)])
     pixels = camera.project(np.column_stack([both, np.ones(5)]))

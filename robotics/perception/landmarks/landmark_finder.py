@@ -29,9 +29,9 @@ def find_landmarks(
 ) -> list[Landmark]:
     """Return the landmarks that are completely in an image, the one nearest to the optical axis first.
 
-    A mark is a landmark if its edges are four straight lines after undistortion, if it is the picture of a
-    square, and if its inside matches the landmark's. A square of another size differs by its distance
-    only. Its edges may be as short as 36 px.
+    A dark shape is a landmark if its edges are four straight lines after undistortion, if it is the picture
+    of a square, and if its inside matches the landmark's pattern. A landmark of another size is only
+    recognized by a wrong distance. Edges have to be at least 36 px long.
 
     Args:
         image: (h, w), grey.

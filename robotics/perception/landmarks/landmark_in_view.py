@@ -19,13 +19,14 @@ RIM_PX = 16.0  # [px] of the picture in which a landmark may be, or not
 def wholly_in_view(
     camera: CameraModel, base_T_camera: Transform, kind: Kind, places: Sequence[Pose2]
 ) -> BoolArray:
-    """Return a mask (n,) of the landmarks that are well within the picture; occlusion is ignored.
+    """Return a mask (n,), True for landmarks that are completely in the picture, with a margin; occlusion is
+    ignored.
 
     Args:
         camera: model of the camera.
         base_T_camera: (4, 4) pose of the camera.
         kind: size of the landmarks and height of their surface.
-        places: base_T_mark of each, in [m] and [rad].
+        places: base_T_mark of each landmark, in [m] and [rad].
     """
     square = square_corners(kind.side)
     corners = np.array([apply(place.lift(kind.height), square) for place in places]).reshape(-1, 3)

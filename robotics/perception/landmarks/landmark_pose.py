@@ -14,7 +14,8 @@ from handcart.robotics.perception.landmarks.landmark import Landmark, square_cor
 def planar_pose(seen: Landmark, camera_T_plane: Transform) -> Pose2:
     """Return plane_T_landmark of a landmark that lies in the plane z = 0 of a frame, face up (towards +z).
 
-    The four corners are put on the plane; the landmark is in their middle. Its size isn't used.
+    The rays to the four corners are intersected with the plane, and the landmark is in the middle of these
+    points. Its size isn't used.
 
     Args:
         seen: the landmark as it was seen.
@@ -43,8 +44,9 @@ def planar_pose(seen: Landmark, camera_T_plane: Transform) -> Pose2:
 def facing(height: float) -> Transform:
     """Return camera_T_plane (4, 4) of a plane at right angles to the optical axis, its z towards the camera.
 
-    x is the camera's x, y is against the camera's y: `facing(h) @ planar_pose(seen, facing(h)).lift()` is
-    the paper's C_T_P0 of a hand that faces straight down (Hatano et al., 2000, section 5.2).
+    The plane's x is the camera's x, its y is opposite to the camera's y. For a hand that points straight
+    down, `facing(h) @ planar_pose(seen, facing(h)).lift()` is the pose C_T_P0 of Hatano et al. (2000),
+    section 5.2.
 
     Args:
         height: distance of the plane from the camera, in [m].

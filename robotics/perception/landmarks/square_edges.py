@@ -21,7 +21,11 @@ _HUBER = 0.15  # [px]
 
 
 class SquareEdges(NamedTuple):
-    """Corners (4, 2) as rays (x/z, y/z), in the order of the guess; `rms` in [px] of the line fits."""
+    """Corners of a square that was fitted to an image.
+
+    The corners (4, 2) are given as rays (x/z, y/z), in the order of the guess. `rms`, in [px], is the root
+    mean square error of the fitted edges.
+    """
 
     rays: FloatArray
     rms: float
@@ -30,8 +34,8 @@ class SquareEdges(NamedTuple):
 def fit_square(image: ByteArray, camera: CameraModel, guess: FloatArray) -> SquareEdges | None:
     """Return the dark square near a guess; None if no such square is there.
 
-    Each edge must be there, straight once the lens is undone, dark inside, and in the image. Edge points
-    are undistorted, not the image: an image would be interpolated once more.
+    Each edge must be completely in the image, straight after correction of the lens, and dark on its inner
+    side. The edge points are undistorted instead of the image, which would have to be interpolated once more.
 
     Args:
         image: (h, w), grey.

@@ -46,14 +46,20 @@ CORRECTING_FAMILIES: tuple[TagFamily, ...] = (
 
 @cache
 def dictionary(family: TagFamily) -> cv2.aruco.Dictionary:
-    """Return the tags of a family. Raises ValueError for an unknown name."""
+    """Return OpenCV's dictionary with the codes of a tag family.
+
+    Raises: ValueError: the family is unknown.
+    """
     if family not in get_args(TagFamily):
         raise ValueError(f"unknown family of tags {family!r}; allowed: {', '.join(get_args(TagFamily))}")
     return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{family.upper()}"))
 
 
 def corrected_bits(family: TagFamily) -> int:
-    """Return how many damaged bits of a tag are corrected: 1 if any two codes differ enough, otherwise 0."""
+    """Return how many wrongly read bits of a tag are corrected in a family.
+
+    It is 1 if all codes of the family differ enough from each other, otherwise 0.
+    """
     return int(family in CORRECTING_FAMILIES)
 
 
@@ -63,5 +69,5 @@ def tags_of(family: TagFamily) -> int:
 
 
 def modules_of(family: TagFamily) -> int:
-    """Return the number of modules along the side of a tag's black square: its bits and the frame."""
+    """Return the number of fields along the side of a tag's black square, the black frame included."""
     return int(dictionary(family).markerSize) + 2

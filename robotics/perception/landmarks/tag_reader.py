@@ -31,7 +31,10 @@ class Region(NamedTuple):
 
 
 class Tag(NamedTuple):
-    """A tag that was read: `id`, and `corners` (4, 2) in [px], clockwise from the tag's own upper left."""
+    """Tag that was read in an image.
+
+    `id` is its number. `corners` (4, 2) are in [px], clockwise from the tag's own upper left.
+    """
 
     id: int
     corners: FloatArray
@@ -42,13 +45,13 @@ def read_tags(
 ) -> list[Tag]:
     """Return the family's tags in an image or in one region of it, ordered by id.
 
-    A tag of 10 mm may be 0.35 m away at f = 800 px. One bit is corrected if the family's codes differ
-    enough (`tag_family.corrected_bits`), otherwise none: a smeared or half covered tag is not found, and
-    never read as another one.
+    A tag with a side of 10 mm is read up to a distance of 0.35 m with a focal length of 800 px. One wrong bit
+    is corrected if the family's codes differ enough (`tag_family.corrected_bits`), otherwise none. A smeared
+    or partly covered tag is not found, but never read as another tag.
 
     Args:
         image: (h, w), grey.
-        region: part of the image to look at, in [px]; None: all of it.
+        region: part of the image that is searched, in [px]; None: the complete image.
         family: family of the tags.
     """
     top, left = 0, 0
@@ -70,7 +73,7 @@ def read_tags(
 
 
 class TagPose(NamedTuple):
-    """A pose of a tag that fits its corners."""
+    """Possible pose of a tag that fits its corners in an image, with the residual."""
 
     camera_T_tag: FloatArray
     """Pose (4, 4) of the tag, whose frame has its origin in the middle, x right, y up, z out of the tag."""
@@ -95,8 +98,9 @@ def tag_pose(tag: Tag, camera: CameraModel, side: float) -> FloatArray:
 def tag_poses(tag: Tag, camera: CameraModel, side: float) -> list[TagPose]:
     """Return both poses of a square that fit its corners, the better one first.
 
-    From afar, where the perspective is weak, both fit: a tag tilted towards the camera looks like one
-    tilted away from it. Collins and Bartoli, "Infinitesimal plane-based pose estimation" (2014).
+    At a large distance, where the perspective is weak, both poses fit: a tag that is tilted towards the
+    camera looks like a tag that is tilted away from it. The method is that of Collins and Bartoli,
+    "Infinitesimal plane-based pose estimation" (2014).
 
     Args:
         tag: tag with its corners in the image.

@@ -18,7 +18,7 @@ PLANE_ROUNDS = 3
 
 
 class DepthView(NamedTuple):
-    """Points of one depth picture."""
+    """Points seen in one depth picture, in the base frame."""
 
     points: FloatArray
     """(n, 3) in the base frame, in [m]."""
@@ -31,7 +31,9 @@ class DepthView(NamedTuple):
 
 
 class OverSurface(NamedTuple):
-    """Points in the frame of a surface: x and y along its sides, z the height over it."""
+    """Points of a depth picture in the frame of a surface, with x and y along its sides and z the height
+    above it.
+    """
 
     points: FloatArray
     """(n, 3) in [m]."""
@@ -44,7 +46,7 @@ class OverSurface(NamedTuple):
 
 
 def depth_view(depth: SingleArray, camera: CameraModel, base_T_camera: Transform) -> DepthView:
-    """Return the points of a depth picture.
+    """Return the readings of a depth picture as points in the base frame.
 
     Args:
         depth: (h, w) depths along the optical axis, in [m]; NaN without a reading.
@@ -62,15 +64,15 @@ def depth_view(depth: SingleArray, camera: CameraModel, base_T_camera: Transform
 
 
 def over_surface(view: DepthView, base_T_surface: Transform, size: tuple[float, float]) -> OverSurface | None:
-    """Return a view's points over a surface, levelled and scaled by the plane that is seen there.
+    """Return the points of a view in the frame of a surface, corrected by the plane that is seen there.
 
-    Cameras err in the scale of depth, and arms in the pose of a camera. The surface is level and its height
-    is known, so both show in the plane. None if too little of the surface is seen.
+    The scale of a camera's depths and the pose of a camera on an arm have errors. Both are computed from the
+    plane, because the surface is level and its height is known. None if too little of the surface is seen.
 
     Args:
-        view: the picture.
+        view: points of the picture.
         base_T_surface: (4, 4) pose of the middle of the surface's top.
-        size: of the surface along its x and y, in [m].
+        size: size of the surface along its x and y, in [m].
     """
     surface_T_base = inverse(base_T_surface)
     points, eye = apply(surface_T_base, view.points), apply(surface_T_base, view.eye[None])[0]

@@ -35,7 +35,7 @@ LYING_BAND_M = 0.003  # from the side
 
 
 class KnownSolid(NamedTuple):
-    """A box, or a cylinder along z, of known size."""
+    """Known object that may be seen, a box or a cylinder along z of known size."""
 
     name: str
     size: tuple[float, float, float]
@@ -44,7 +44,7 @@ class KnownSolid(NamedTuple):
 
 
 class SolidCandidate(NamedTuple):
-    """A solid that a group of points may be."""
+    """Known solid that a group of measured points may belong to, with the pose that fits best."""
 
     name: str
     surface_T_solid: Transform
@@ -61,10 +61,14 @@ class SolidCandidate(NamedTuple):
 
 
 def candidates(cluster: PointCluster, known: Sequence[KnownSolid]) -> list[SolidCandidate]:
-    """Return all known solids that a group of points may be, upright or fallen, each at most once.
+    """Return all known solids that a group of points may belong to, upright or fallen, each at most once.
 
-    A solid fits if its upper side has the height and the outline that were measured, and nothing of the
-    group is beside it. Two solids that touch fit none.
+    A solid fits if height and outline of its upper side are as measured, and no point of the group is outside
+    it. So points of two solids that touch each other fit no solid.
+
+    Args:
+        cluster: group of points.
+        known: known solids.
     """
     found = []
     for solid in known:

@@ -24,7 +24,7 @@ OUTLINE_SAMPLE_COUNT = 72  # along the outline, for its coverage
 
 
 class OutlineFit(NamedTuple):
-    """Pose of an outline."""
+    """Pose of a rectangular or circular outline that was fitted to points, with its accuracy."""
 
     x: float
     """Position of the outline's middle along x, in [m]."""
@@ -45,10 +45,10 @@ class OutlineFit(NamedTuple):
 def fit_outline(
     points: FloatArray, sides: tuple[float, float] | float, cell: float, pixel: float
 ) -> OutlineFit | None:
-    """Fit an outline of known size (Gauss and Newton, with Huber's weights); None if it isn't determined.
+    """Fit an outline of known size to points; return None if its pose isn't determined.
 
-    A depth camera loses readings next to a step in depth. The width of that strip is fitted too, the same
-    all around.
+    The method is Gauss and Newton's with Huber's weights. A depth camera has no readings in a strip next to a
+    step in depth. The width of the strip is fitted too; it is assumed to be the same all around the outline.
 
     Args:
         points: (n, 2) on the outline or a part of it, in any plane frame, in [m]; the pose is in that frame.
@@ -79,7 +79,7 @@ def distances(
     """Return the signed distances (n,) of points from a rectangle or a circle, in [m]; negative inside.
 
     Args:
-        points: (n, 2) in any plane frame, in [m].
+        points: (n, 2) points in any plane frame, in [m].
         sides: lengths of the rectangle, or the diameter of the circle, in [m].
         x: position of the outline's middle in that frame, in [m].
         y: position of the outline's middle in that frame, in [m].

@@ -17,13 +17,14 @@ MAX_EDGE_SHARE = 0.004  # of the part's pixels
 def edge_share(
     image: ByteArray, camera: CameraModel, base_T_camera: Transform, corners: FloatArray
 ) -> float | None:
-    """Return the share of pixels with edges within a part of a surface; None if it is not all in view.
+    """Return the share of pixels with edges in the picture of a part of a surface; None if it is not
+    completely visible.
 
     Args:
         image: (h, w), grey.
-        camera: the camera.
+        camera: model of the camera.
         base_T_camera: (4, 4) pose of the camera.
-        corners: (n, 3) of a convex part in the base frame, in [m].
+        corners: (n, 3) corners of the convex part in the base frame, in [m].
     """
     pixels = camera.project(apply(inverse(base_T_camera), corners))
     inside = (pixels >= 0.0) & (pixels <= np.array([camera.width, camera.height]) - 1.0)
@@ -38,5 +39,9 @@ def edge_share(
 
 
 def is_plain(share: float | None) -> bool:
-    """Return whether a part is all in view and has edges on a share of `MAX_EDGE_SHARE` at most."""
+    """Return whether a part of a surface is completely visible and plain, given its share of pixels with
+    edges.
+
+    Args: share: result of `edge_share`; at most `MAX_EDGE_SHARE` for a plain part.
+    """
     return share is not None and share <= MAX_EDGE_SHARE

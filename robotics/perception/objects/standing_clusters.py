@@ -26,7 +26,9 @@ BORDER_CELLS = 2.5  # from a point at the picture's edge within which an outline
 
 
 class PointCluster(NamedTuple):
-    """Points of one thing on a surface, in the surface's frame: x and y along its sides, z up from it."""
+    """Points of one thing on a surface, in the surface's frame, with x and y along its sides and z up from
+    it.
+    """
 
     points: FloatArray
     """(n, 3) in [m]."""
@@ -45,11 +47,11 @@ class PointCluster(NamedTuple):
 
 
 def standing_clusters(views: Sequence[OverSurface], size: tuple[float, float]) -> list[PointCluster]:
-    """Return the groups of points that stand on a surface, by all views together, the largest first.
+    """Return groups of points, each of one thing on a surface, from all views together, the largest first.
 
     Args:
-        views: in the frame of the surface.
-        size: of the surface along x and y, in [m].
+        views: points of each view, in the frame of the surface.
+        size: size of the surface along x and y, in [m].
     """
     if not views:
         return []
@@ -103,7 +105,12 @@ def _cluster(points: FloatArray, border: BoolArray, views: Sequence[OverSurface]
 
 
 def outline_of(points: FloatArray, cell: float) -> FloatArray | None:
-    """Return the points (k, 2) around the largest patch of points (n, 2), on a grid; None without a patch."""
+    """Return the outline (k, 2) of the largest connected patch of points; None if there is no patch.
+
+    Points are rounded to a grid, and neighbouring cells of the grid are connected.
+
+    Args: points: (n, 2) in any one frame, in [m]. cell: side of a cell of the grid, in [m].
+    """
     low = points.min(axis=0) - 4 * cell
     cells = np.rint((points - low) / cell).astype(np.int64)
     grid = np.zeros(cells.max(axis=0) + 5, np.uint8)

@@ -19,7 +19,7 @@ SUFFICIENT_STEP = 1e-7
 
 
 class TagView(NamedTuple):
-    """A tag of the box in one picture."""
+    """Tag on a box as seen in one picture, with the positions of its corners on the box."""
 
     camera: CameraModel
     base_T_camera: Transform
@@ -42,16 +42,17 @@ class UprightFit(NamedTuple):
 
 
 def fit_upright(views: Sequence[TagView], start: Transform, height: float, height_sigma: float) -> UprightFit:
-    """Fit x, y, z and heading of an upright box to all corners at once (Gauss and Newton).
+    """Fit x, y, z and heading of an upright box to the corners of its tags in all pictures (Gauss and
+    Newton).
 
-    Blur moves the corners of a small square inwards, by an amount that is fitted too: from afar it would
-    count as distance.
+    Blur moves the corners of a small tag inwards in the picture, which would look like a larger distance. So
+    this shift is fitted too.
 
     Args:
-        views: at least one.
+        views: at least one view of a tag.
         start: (4, 4) first guess of base_T_box; its tilt is ignored.
         height: expected height (z) of the box's origin, in its foot, in the base frame, in [m].
-        height_sigma: its standard deviation, in [m].
+        height_sigma: standard deviation of the expected height, in [m].
     """
     state = np.array([*start[:3, 3], np.arctan2(start[1, 0], start[0, 0]), 0.0])
     J = np.zeros((1, 5))
