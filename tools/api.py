@@ -229,8 +229,8 @@ def campaign(
         learned_from: folders of the campaigns from which `fitted` takes outcomes.
         rare: rare outcome whose probability is estimated. Each trial is then a population of runs;
             `RareEstimate.of` in `handcart.evaluation.campaigns.rare.rare_estimate` computes the estimate.
-        importance: with `rare`, the measure of how near a run is to the rare outcome: failed actions, or
-            attempts.
+        importance: with `rare`, the measure of how near a run is to the rare outcome: its number of Fails, or
+            the attempts of one action.
         population: with `rare`, number of runs of a population.
         report: True to write `report.html` into the folder.
         runs: folder in which the runs' folders are made; None: `runs`, in the campaign's folder if it has

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def build_rig() -> Iterator[Callable[..., Rig]]:
-    """Build rigs as `handcart.evaluation.trials.rig.build_rig` does, and close them after the test.
+    """Provide the function `handcart.evaluation.trials.rig.build_rig` as a fixture that closes its rigs after
+    the test.
 
     def test_there_and_back(build_rig):
         rig = build_rig(seed=3)
@@ -39,7 +40,8 @@ def build_rig() -> Iterator[Callable[..., Rig]]:
 
 @pytest.fixture
 def do_primitive(build_rig: Callable[..., Rig]) -> Callable[..., Outcome]:
-    """Run one primitive alone, as `handcart do` does, and return its outcome.
+    """Provide a function as a fixture that runs a single primitive, as `handcart do` does, and returns its
+    outcome.
 
     def test_forward(do_primitive):
         assert isinstance(do_primitive(Forward(distance_m=0.5), seed=3), Success)
@@ -61,7 +63,8 @@ def do_primitive(build_rig: Callable[..., Rig]) -> Callable[..., Outcome]:
 
 @pytest.fixture
 def conformance() -> Callable[..., KitReport]:
-    """Test a backend by its name, as `handcart conformance` does, and assert that it keeps the contract.
+    """Provide a function as a fixture that asserts that a backend keeps its contract, as `handcart
+    conformance` does.
 
     def test_my_backend(conformance):
         conformance("my_backend", robot="my_robot/robot.yaml", quick=True)

@@ -11,9 +11,9 @@ GONE_S = 10.0
 
 
 class Lease:
-    """The right to command, held by at most one tab (row U8).
+    """Right to command the runs of the console, which at most one browser tab has at a time.
 
-    Another tab takes it explicitly, and all see the holder.
+    Another tab can take it explicitly, and all tabs show who has it (row U8 of docs/reference/faults.md).
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:

@@ -54,7 +54,9 @@ def compare(
 
 
 def distinct_names(first: Path, second: Path) -> tuple[str, str]:
-    """Return the shortest ends of two paths that differ: `office/map.yaml` and `other/map.yaml`."""
+    """Return the shortest ends of two paths that distinguish them, such as `office/map.yaml` and
+    `other/map.yaml`.
+    """
     one, other = first.resolve().parts, second.resolve().parts
     for count in range(1, max(len(one), len(other))):
         names = "/".join(one[-count:]), "/".join(other[-count:])
@@ -64,7 +66,7 @@ def distinct_names(first: Path, second: Path) -> tuple[str, str]:
 
 
 def report(found: MapComparison, first: str, second: str, as_json: bool) -> None:
-    """Print how two maps fit, in words or as JSON.
+    """Print how far apart the walls of two maps are, as text or as JSON.
 
     Args:
         found: comparison of the maps.

@@ -16,7 +16,9 @@ def crop(
         typer.Option(help="LEFT,LOW,RIGHT,HIGH in m on the map (default: all that is known)"),
     ] = None,
 ) -> None:
-    """Cut a map to a rectangle, or its unknown edges off; the frame stays."""
+    """Write the part of a map within a rectangle, or the map without its unknown edges; the frame stays the
+    same.
+    """
     from handcart.robotics.navigation.mapping.map_editing import NothingLeft, crop_to, crop_to_known
 
     from .map_words import numbers, read_map, save_map

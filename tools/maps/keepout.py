@@ -20,7 +20,10 @@ def keepout(
         list[str] | None, typer.Option(help="the same: zones within these corners are taken away")
     ] = None,
 ) -> None:
-    """Draw keep-out zones over a map, for `knowledge: {keepout: FILE}` in a task."""
+    """Write a file of keep-out zones for a map, into which the robot must not drive.
+
+    A task uses the file by `knowledge: {keepout: FILE}`.
+    """
     import numpy as np
 
     from handcart.robotics.navigation.mapping.map_editing import paint_zone

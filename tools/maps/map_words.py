@@ -18,7 +18,7 @@ MAP_SUFFIX = ".yaml"
 
 
 def read_map(path: Path) -> GridMap:
-    """Return the map in a file; print the warning about it, if there is one."""
+    """Return the map in a file; print the warning about the map to stderr, if there is one."""
     grid, warning = load_map(path)
     if warning:
         print(warning, file=sys.stderr)

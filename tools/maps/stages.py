@@ -11,7 +11,8 @@ from contextlib import contextmanager
 def stages_shown() -> Iterator[Callable[[str, float], None]]:
     """Yield a function to call with the name of the present stage and its finished share, 0 to 1.
 
-    On a terminal (stderr) it shows a bar for each stage, removed at the end; otherwise each stage is a line.
+    If stderr is a terminal, the function shows a progress bar for each stage, which is removed at the end.
+    Otherwise it prints a line for each stage.
     """
     if not sys.stderr.isatty():
         yield _lines()

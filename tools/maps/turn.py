@@ -19,7 +19,10 @@ def turn(
         ),
     ] = None,
 ) -> None:
-    """Turn a map about the origin of its frame; places on it turn by the same angle."""
+    """Write a map turned about the origin of its frame.
+
+    Places that are given on the map have to be turned by the same angle.
+    """
     from handcart.robotics.navigation.mapping.map_editing import straightening_angle
     from handcart.robotics.navigation.mapping.map_editing import turn as turned
     from handcart.robotics.navigation.maps.turned_map import TooManyCells

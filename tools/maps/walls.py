@@ -23,7 +23,9 @@ def walls(
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
-    """Report how far a map's walls are from a world's, and what of the world the map lacks."""
+    """Print how far the walls of a map are from those of a simulated world, and which of these the map
+    lacks.
+    """
     import numpy as np
     import orjson
 

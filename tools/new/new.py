@@ -16,7 +16,9 @@ def new(
     name: Annotated[str, typer.Argument(help="small letters, words joined by _")],
     out: Annotated[Path | None, typer.Option("--out", "-o", help="folder (default: NAME)")] = None,
 ) -> None:
-    """Write a folder to begin from: its files, its tests, and the commands to try it."""
+    """Create the folder of a new project from templates, with its files and tests, and print the commands to
+    try it.
+    """
     from handcart.files.suggest import suggest
     from handcart.tools.commands.make_map import make_map
 

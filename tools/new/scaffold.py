@@ -23,15 +23,15 @@ NAME_PATTERN = r"[a-z][a-z0-9]*(_[a-z0-9]+)*"
 
 
 class NotAName(InputError):
-    """Error in a name that no package can have."""
+    """Error of a name that is invalid for a Python package."""
 
 
 class FolderInUse(InputError):
-    """Error: the folder for a new project contains files."""
+    """Error of a new project whose folder already contains files."""
 
 
 class Starter(NamedTuple):
-    """Kind of project, task or part that templates can create."""
+    """Kind of project, task or part that can be created from templates, with its files and next commands."""
 
     help: str
     parts: tuple[tuple[str, str], ...]
@@ -105,13 +105,13 @@ KINDS = {
 
 
 def names_of(name: str) -> dict[str, str]:
-    """Return the forms of a name that templates use.
+    """Return the forms of a name that templates use, such as in capitals, by their placeholders.
 
     Args:
         name: lower case, words joined by `_`.
 
     Raises:
-        NotAName: it is not such a name, or a word that Python uses itself.
+        NotAName: the name has another form, or is a keyword of Python.
     """
     if not re.fullmatch(NAME_PATTERN, name) or keyword.iskeyword(name):
         raise NotAName(
@@ -132,8 +132,8 @@ def write_new(kind: Starter, name: str, folder: Path) -> list[Path]:
 
     Args:
         kind: kind of project.
-        name: its name: lower case, words joined by `_`.
-        folder: the folder.
+        name: name of the project, in lower case, with words joined by `_`.
+        folder: new or empty folder.
 
     Raises:
         NotAName: see `names_of`.
@@ -163,7 +163,7 @@ def write_robot(path: Path, name: str) -> tuple[Path, Path]:
 
     Args:
         path: robot's file to write; one called `wheels.yaml` has no lidar.
-        name: name of the robot, and of the URDF beside the file.
+        name: name of the robot, and of the URDF next to the robot's file.
     """
     cart, urdf = SHIPPED_ROBOTS_FOLDER / "cart", path.with_name(f"{name}.urdf")
     is_blind = path.name == WHEELS_FILE

@@ -17,7 +17,9 @@ def node(
     robot: Annotated[str | None, typer.Option(help="another robot than the tasks name")] = None,
     namespace: Annotated[str, typer.Option(help="namespace of the services and topics")] = "",
 ) -> None:
-    """Start or resume runs by services of ROS 2, one at a time, until Ctrl-C; that ends no run."""
+    """Offer ROS 2 services that start or resume runs, one at a time, until Ctrl-C; a running run goes on
+    after that.
+    """
     from handcart.backends.ros2.wire.ros_link import node_name
     from handcart.backends.ros2.wire.serving_link import RosServingLink
     from handcart.evaluation.viewing.node.door import SERVICE_PREFIX

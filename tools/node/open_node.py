@@ -15,12 +15,12 @@ DISCOVERY_S = 1.5
 
 @contextmanager
 def opened_node(namespace: str, say: Callable[[str], None], ghost_s: float = 0.0) -> Iterator[RunObserver]:
-    """Yield an observer that publishes the run, and offers the operator's services.
+    """Yield an observer that publishes a run as a ROS 2 node, with services for the operator.
 
     Args:
-        namespace: of the node's topics and services; "" for none.
-        say: receives what a person should know.
-        ghost_s: time in [s] for which another run's node may stay: that of a killed program.
+        namespace: namespace of the node's topics and services; "" for none.
+        say: function that receives messages for the user.
+        ghost_s: time, in [s], to wait until the node of a killed program disappears.
 
     Raises:
         NoRos: rclpy is not installed.

@@ -47,7 +47,7 @@ class WaitingRecord(NamedTuple):
 
 
 class LastRun(NamedTuple):
-    """State of the newest run, which is not alive, read from its journal."""
+    """State of the newest run after its process has ended, read from its journal."""
 
     folder: Path
     record: int
@@ -60,7 +60,7 @@ class LastRun(NamedTuple):
 
 
 def start_apart(words: Sequence[str], said: IO[bytes]) -> subprocess.Popen[bytes]:
-    """Start a program in a new session (`setsid`), so that it outlives this one.
+    """Start a program in a new session (`setsid`), so that it continues when this program ends.
 
     Args:
         words: command and arguments.
@@ -70,10 +70,10 @@ def start_apart(words: Sequence[str], said: IO[bytes]) -> subprocess.Popen[bytes
 
 
 class RunDesk:
-    """Server of requests to start or resume one run at a time, in a process of its own, and to acknowledge
-    its waits.
+    """Server of requests to start or resume runs, one at a time, each in a process of its own.
 
-    The run itself decides whether the robot is free, as if it was started at a terminal.
+    It also acknowledges records of a run that wait for a person. The run itself decides whether the robot is
+    free, as if it was started at a terminal.
     """
 
     def __init__(
@@ -103,7 +103,9 @@ class RunDesk:
         self._looked: tuple[object, LastRun | None] = (None, None)
 
     def offer(self, link: ServingLink) -> None:
-        """Offer the services that start a run of each task, acknowledge and resume."""
+        """Offer ROS 2 services that start a run of each task, acknowledge a waiting record, and resume
+        a run.
+        """
         for name in self._tasks:
             link.serve(f"{SERVICE_PREFIX}/run/{name}", lambda name=name: self.request(name))  # type: ignore[misc]
         link.serve(f"{SERVICE_PREFIX}/acknowledge", self.acknowledge)
@@ -113,7 +115,8 @@ class RunDesk:
         """Return the offered tasks, the running run, what waits for a person, and the run that can be
         resumed.
 
-        The caller publishes it: what is new in it can be acknowledged or resumed only `READ_S` later.
+        The caller publishes this state, so that people can read it. A new entry can be acknowledged or
+        resumed only `READ_S` after it was first returned.
         """
         last = self._last()
         if last != self._read[0]:
@@ -128,7 +131,10 @@ class RunDesk:
         return {"tasks": sorted(self._tasks), "running": running, "waits": waits, "resumable": resumable}
 
     def request(self, name: str) -> Answer:
-        """Start a run of a task, unless one is running or waits; answer once it has begun, or refused."""
+        """Start a run of a task, unless a run is running or waits for a person.
+
+        The answer comes once the run has begun, or was refused.
+        """
         if busy := self._busy():
             return Answer(False, busy)
         last = self._last()
@@ -140,7 +146,9 @@ class RunDesk:
         return self._started(command, START_TIMEOUT_S, self._alive, f"{name} runs in")
 
     def acknowledge(self) -> Answer:
-        """Acknowledge what waits in the last run, if people could read it before."""
+        """Acknowledge the record of the last run that waits for a person, if its reason was published long
+        enough before.
+        """
         last, since = self._read
         if last is None or last.waits is None:
             return Answer(False, "no run waits for a person")
@@ -154,10 +162,10 @@ class RunDesk:
             return Answer(False, str(error))
 
     def resume(self) -> Answer:
-        """Resume the last run, if people could read before how it ended; answer once it goes on, or refused.
+        """Resume the last run, if its end was published long enough before.
 
-        The run itself decides, as `handcart resume --confirm RECORD` does: a real robot has to be where it
-        was left.
+        The answer comes once the run continues, or was refused. The run itself decides, as `handcart resume
+        --confirm RECORD` does, so that a real robot has to be where it was left.
         """
         if busy := self._busy():
             return Answer(False, busy)
@@ -271,7 +279,10 @@ def _resumed(last: LastRun) -> Path | None:
 
 
 def service_names(tasks: Sequence[Path]) -> dict[str, Path]:
-    """Return tasks by names that ROS accepts; the folder's name for a `task.yaml`, others get a number."""
+    """Return tasks by names that are valid in ROS 2.
+
+    The name is that of the file, or of the folder for a `task.yaml`; equal names get a number appended.
+    """
     found: dict[str, Path] = {}
     for task in tasks:
         plain = re.sub(r"\W", "_", task.parent.name if task.stem == "task" else task.stem, flags=re.ASCII)
@@ -284,7 +295,7 @@ def service_names(tasks: Sequence[Path]) -> dict[str, Path]:
 
 
 def state_text(state: Mapping[str, Any]) -> str:
-    """Return a state as JSON."""
+    """Return a state, as returned by `RunDesk.state`, as a JSON text."""
     return orjson.dumps(dict(state)).decode()
 
 

@@ -21,7 +21,7 @@ def compare(
     other: Annotated[Path, typer.Argument(help="another run's")],
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
-    """Align two runs by action: first difference, outcomes, residuals and times."""
+    """Compare two runs action by action, and print the first difference, outcomes, residuals and times."""
     import orjson
 
     from handcart.files.printable import printable

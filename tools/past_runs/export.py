@@ -21,7 +21,10 @@ def export(
         str | None, typer.Option("--to", help="format of a task: bt (BehaviorTree.CPP), scxml, jani")
     ] = None,
 ) -> None:
-    """Write a run as MCAP, the trials of a campaign as Parquet, or a task as a tree, a chart or a model."""
+    """Convert a run to MCAP, the trials of a campaign to Parquet, or a task to another format.
+
+    Formats of tasks are a behaviour tree, a state chart (SCXML) and a model for model checkers (JANI).
+    """
     from handcart.files.printable import printable
     from handcart.tools.terminal.writing import NotWritable
 

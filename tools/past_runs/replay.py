@@ -25,10 +25,11 @@ def replay(
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
-    """Decide a past run again with today's code; status 3 at the first difference.
+    """Compute the decisions of a past run again with the present code; the exit status is 3 at the first
+    difference.
 
-    Without an option the outcomes are the journal's. With --sensors the whole program runs on the readings
-    of a run that was made with `handcart run --record-sensors`.
+    Without an option, actions have the outcomes in the run's journal. With `--sensors`, the complete program
+    runs on the recorded readings of a run that was made with `handcart run --record-sensors`.
     """
     import orjson
 

@@ -16,7 +16,9 @@ def report(
         Path | None, typer.Option("--output", "-o", help="*.html (default: report.html in the folder)")
     ] = None,
 ) -> None:
-    """Write a run, or a campaign, as one page that needs nothing beside it, nor a network."""
+    """Write the report on a run or a campaign as a single HTML file, which needs no other files and no
+    network.
+    """
     from handcart.evaluation.campaigns.data.campaign_folder import ARGUMENTS
     from handcart.files.printable import printable
     from handcart.networks.run_files.run_names import latest_run

@@ -16,7 +16,7 @@ def runs(
     folder: Annotated[Path, typer.Argument(help="where the runs' folders are")] = Path("runs"),
     as_json: Annotated[bool, typer.Option("--json", help="one JSON list on stdout")] = False,
 ) -> None:
-    """List runs: folder, task, seed, backend, how it ended, when it began."""
+    """Print a list of runs with folder, task, seed, backend, outcome and start time."""
     import orjson
 
     from handcart.files.printable import printable

@@ -6,9 +6,9 @@ import signal
 
 
 class AskedToEnd:
-    """Ctrl-C, or a termination signal of the system, kept until the program checks for it.
+    """Handler of Ctrl-C and termination signals, which records them until the program checks for them.
 
-    A KeyboardInterrupt can be lost: a library's callback that catches everything swallows it.
+    A KeyboardInterrupt could be lost, because a callback of a library may catch all exceptions.
     """
 
     def __init__(self) -> None:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class CampaignWords:
-    """Texts of a campaign's report, with its arguments."""
+    """Formatter of a campaign's report, for people or for programs."""
 
     def __init__(
         self,
@@ -42,7 +42,7 @@ class CampaignWords:
         self._settling, self._learned = settling, learned
 
     def lines(self) -> Iterator[str]:
-        """Yield the report as lines for people."""
+        """Yield the report as lines of text for people."""
         report = self._report
         low, high = report.wilson
         count = len(report.trials)
@@ -118,7 +118,7 @@ class CampaignWords:
         return exact_goal(Path(self._arguments["task"]), self._arguments["settings"])
 
     def facts(self) -> dict[str, Any]:
-        """Return the report as fields for programs."""
+        """Return the report as a dictionary of fields, for `--json`."""
         from handcart.evaluation.campaigns.statistics.divergence import first_difference
 
         report, median, goal = self._report, self._report.median_run, self._exact()
@@ -175,7 +175,7 @@ def _interval(spread: Spread, yes_no: bool) -> str:
 
 
 def report_of(found: CampaignFolder) -> tuple[CampaignReport, CampaignWords | RareWords]:
-    """Return the report on a campaign's folder, and the texts for it."""
+    """Return the report on the campaign in a folder, and the formatter of the report."""
     from handcart.evaluation.campaigns.statistics.campaign_report import CampaignReport
     from handcart.tools.terminal.rare_words import RareWords
 

@@ -17,7 +17,7 @@ SILENT_TIME_S = 1.0
 
 @contextmanager
 def first_words(what: str) -> Iterator[Callable[[], None]]:
-    """Print `what` to stderr after a second, unless the yielded function is called before.
+    """Print a message to stderr after a second in this context, unless the yielded function is called before.
 
     A stage (`begin_stage`) that takes longer than a second is printed with its name, once. Import the
     modules of a command in this context, which takes longer than a second on a fresh machine.
@@ -59,9 +59,12 @@ class _Waiting:
 
 @contextmanager
 def announced(what: str) -> Iterator[None]:
-    """Print `what` to stderr after a second, and announce the compilation of inner loops when it begins.
+    """Print a message to stderr after a second, and another one when functions are compiled, in this context.
 
-    Compilation uses all cores. Nothing is printed by a command that ends within the second.
+    Other processes help to compile, on all cores. A command that ends within a second prints nothing.
+
+    Args:
+        what: message, such as what the command is doing.
     """
     said: list[str] = []
 

@@ -19,7 +19,7 @@ _FIRST = 30.0  # [s] in which the key is to be pressed
 
 
 class NoTerminal(InputError):
-    """Error, because hold-to-run needs a person at a terminal."""
+    """Error of a motion that needs a key to be held, because standard input is not a terminal."""
 
     def __init__(self) -> None:
         super().__init__("standard input is not a terminal; needed: a person who holds a key there")
@@ -27,15 +27,15 @@ class NoTerminal(InputError):
 
 @contextmanager
 def held_key() -> Iterator[KeyLease]:
-    """Wait for the space bar; within the context the lease reports whether it is still held.
+    """Wait until the space bar is pressed, and yield an object that reports whether it is still held.
 
-    A terminal signals a held key by repeating it; a key that is not repeated within 300 ms counts as
-    released. If the first repeat comes later, press it several times: `xset r rate 200 30` makes it come
-    earlier.
+    A terminal signals a held key by repeating it. A key that is not repeated within 300 ms counts as
+    released. If the terminal sends the first repeat later, press the key several times; `xset r rate 200 30`
+    makes it come earlier.
 
     Raises:
         NoTerminal: standard input is not a terminal.
-        NoAnswer: the key was not pressed in time.
+        UnansweredQuestion: the key was not pressed in time.
     """
     if not sys.stdin.isatty():
         raise NoTerminal()

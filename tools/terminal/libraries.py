@@ -40,7 +40,10 @@ _REQUIRED = re.compile(
 
 
 class NoLibrary(InputError):
-    """A library that handcart needs is missing, too old, or can't be imported. Status 2 (row K13)."""
+    """Error of a library that handcart needs, and which is missing, too old, or can't be imported.
+
+    The exit status is 2 (row K13 of docs/reference/faults.md).
+    """
 
     def __init__(self, wrong: Iterable[str], install: Iterable[str]) -> None:
         line = " ".join(f"'{text}'" for text in install)
@@ -48,7 +51,9 @@ class NoLibrary(InputError):
 
     @classmethod
     def of(cls, error: Exception) -> NoLibrary | None:
-        """Return the error for a failed import; None for any other error, and for a module of ours."""
+        """Return the error for a failed import of a library; None for another error, or a missing module of
+        handcart.
+        """
         if not isinstance(error, ImportError):
             return None
         root = (error.name or "").partition(".")[0]
@@ -63,7 +68,7 @@ class NoLibrary(InputError):
 
 
 class Requirement(NamedTuple):
-    """A library that the installation asks for."""
+    """Library that the installation of handcart requires, with the allowed versions."""
 
     name: str
     versions: str
@@ -76,10 +81,12 @@ class Requirement(NamedTuple):
 
 
 def check_libraries() -> None:
-    """Compare what is installed with what is needed, by the names of folders alone: that takes 1 ms.
+    """Check that all required libraries are installed in allowed versions.
+
+    Only the names of folders are read, which takes 1 ms.
 
     Raises:
-        NoLibrary: with all that is missing, too old or too new.
+        NoLibrary: a library is missing, too old or too new; the error names all of them.
     """
     installed, wrong, install = dict(_installed()), [], []
     for requirement in required():
@@ -98,7 +105,7 @@ def check_libraries() -> None:
 
 
 def required() -> list[Requirement]:
-    """Return the requirements of handcart's installation; empty if it is not installed."""
+    """Return the libraries that handcart's installation requires; empty if handcart is not installed."""
     for folder in sys.path:
         for found in Path(folder or ".").glob("handcart-*.dist-info/METADATA"):
             head = found.read_text(encoding="utf-8").partition("\n\n")[0]
@@ -150,7 +157,10 @@ def _numbers(version: str) -> tuple[int, ...]:
 
 
 def quiet_libraries() -> None:
-    """Silence the libraries, before any of them is imported; settings by environment or `python -W` win."""
+    """Switch off warnings and messages of libraries; has to be called before any of them is imported.
+
+    Settings by environment variables or by `python -W` have precedence.
+    """
     chosen = bool(sys.warnoptions)
     for name, value in _SILENT.items():
         if not (chosen and name == "PYTHONWARNINGS"):

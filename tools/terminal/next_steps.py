@@ -29,7 +29,7 @@ def ended_words(summary: Mapping[str, Any]) -> str:
 
 
 def next_steps(summary: Mapping[str, Any]) -> list[str]:
-    """Return the next commands, and the run's page, by the summary of a run that has ended."""
+    """Return commands that may be useful after a run, and the path of its page, given the run's summary."""
     folder = Path(str(summary["run_dir"]))
     run = shlex.quote(str(folder))
     steps = [step.format(run) for step in STEPS_BY_OUTCOME.get(str(summary["outcome"]), (EXPLAIN,))]

@@ -38,9 +38,9 @@ COLOUR_BY_OUTCOME = {"Success": "green", "Fail": "yellow", "GiveUp": "red"}
 
 
 class Progress(RunObserver):
-    """Progress output: one line for each event, and on a terminal the present activity.
+    """Observer that prints the progress of a run to stderr, so that stdout contains only the result.
 
-    Writes to stderr, so that stdout holds the result alone.
+    It prints one line for each event. On a terminal, it also shows the present activity.
     """
 
     def __init__(self, begins: Callable[[], None] = lambda: None) -> None:
@@ -71,7 +71,7 @@ class Progress(RunObserver):
         self.end()
 
     def end(self) -> None:
-        """Remove the status line; a second call does nothing."""
+        """Remove the line with the present activity from the terminal; a second call does nothing."""
         with suppress(OSError):
             self._status.stop()
 
@@ -102,13 +102,13 @@ class Progress(RunObserver):
                 self._tell("writing down what was seen")
 
     def period(self, robot: Robot) -> None:
-        """Update the elapsed time on a terminal."""
+        """Update the elapsed time in the line with the present activity; called in each control period."""
         if robot.time >= self._next:
             self._next = robot.time + 0.5
             self._status.update(f"[dim]{robot.time:8.1f} s[/dim]  {self._now}{self._how_far(robot.time)}")
 
     def say(self, words: str) -> None:
-        """Print something that should be known before anything moves."""
+        """Print a message that the user should read before the robot moves."""
         self._print(escape(printable(words)))
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
@@ -127,7 +127,9 @@ class Progress(RunObserver):
         self._print(f"[dim]{escape(words)}[/dim]")
 
     def ask(self, action: Action) -> None:
-        """Print the question whether an action may start, and the commands that answer it; doesn't wait."""
+        """Print the question whether an action may start, and the commands with which to answer; do not wait
+        for the answer.
+        """
         here = " y or n and Enter, or:" if sys.stdin.isatty() else ""
         self._status.stop()
         run = shlex.quote(str(self._run_dir))
@@ -140,8 +142,9 @@ class Progress(RunObserver):
             self._print(f"[dim]  {escape(printable(command))}[/dim]")
 
     def typed(self) -> bool | None:
-        """Return the typed answer, True for y or yes, False for n or no, each with Enter; None for other or
-        no input.
+        """Return the answer that was typed with Enter, without waiting for it.
+
+        It is True for y or yes, False for n or no, and None for any other input or none.
         """
         if not sys.stdin.isatty() or not select.select([sys.stdin], [], [], 0.0)[0]:
             return None

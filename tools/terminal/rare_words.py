@@ -13,7 +13,9 @@ from handcart.evaluation.campaigns.statistics.exact_value import exact_end
 
 
 class RareWords:
-    """Texts on the results of a campaign's populations."""
+    """Formatter of the report on a campaign that estimates the probability of a rare outcome by populations
+    of runs.
+    """
 
     def __init__(self, trials: Sequence[Trial], arguments: Mapping[str, Any], interrupted: bool) -> None:
         """Create the texts.
@@ -40,7 +42,7 @@ class RareWords:
         return [f"seed {trial.seed}: {item}" for trial in self._trials for item in trial.untrue]
 
     def lines(self) -> Iterator[str]:
-        """Yield the report as lines for people."""
+        """Yield the report as lines of text for people."""
         found, count = self._found, len(self._trials)
         yield f"{self._event['outcome']}: {found.probability:.3g} of all runs, {_between(found)}"
         if found.unseen:
@@ -68,7 +70,7 @@ class RareWords:
             yield f"\nrun folders of some that ended so: {', '.join(kept[:10])}"
 
     def facts(self) -> dict[str, Any]:
-        """Return the report as fields for programs."""
+        """Return the report as a dictionary of fields, for `--json`."""
         found = self._found
         return {
             "rare": dict(self._event),

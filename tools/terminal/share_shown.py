@@ -9,9 +9,10 @@ from contextlib import contextmanager
 
 @contextmanager
 def share_shown(what: str) -> Iterator[Callable[[float], None]]:
-    """Yield a function to call with the finished share, 0 to 1.
+    """Yield a function that the caller calls from time to time with the finished share of the work, 0 to 1.
 
-    On a terminal (stderr) it shows a bar, removed at the end; otherwise nothing is written.
+    If stderr is a terminal, the function shows a progress bar, which is removed at the end. Otherwise nothing
+    is written.
     """
     if not sys.stderr.isatty():
         yield lambda share: None

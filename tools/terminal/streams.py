@@ -11,11 +11,13 @@ from typing import Any, TextIO
 
 
 class Streams:
-    """Context manager that drops, and notes, output that cannot be written to stdout or stderr.
+    """Context manager that discards output that cannot be written to stdout or stderr, and records the
+    reason.
 
-    A pipe that is closed at its other end, a full disk behind it, a descriptor that was closed before the
-    start: none of them ends a command (row K14). Missing descriptors are opened on the null device, so that
-    no file of ours, such as a journal, becomes stdout for a library that writes to it.
+    So a command does not end because of a closed pipe, a full disk, or a descriptor that was closed before
+    its start (row K14 of docs/reference/faults.md). Missing descriptors are opened on the null device, so
+    that no file that the program opens later, such as a journal, becomes stdout for a library that writes to
+    stdout.
     """
 
     def __enter__(self) -> Streams:

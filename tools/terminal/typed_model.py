@@ -18,15 +18,18 @@ Model = TypeVar("Model", bound=BaseModel)
 
 
 def typed_model(kind: type[Model], words: Sequence[str], command: str) -> Model:
-    """Return a model from typed fields, each checked as in a file; a text field needs no quotes.
+    """Return a model (checked data, as of a file) from fields that were typed as arguments of a command.
+
+    Each field is checked as in a file; a text needs no quotes.
 
     Args:
         kind: class of the model.
-        words: KEY=VALUE each.
-        command: the text typed before them, used in messages.
+        words: fields, `KEY=VALUE` each.
+        command: the text typed before the fields, used in messages.
 
     Raises:
-        FileError: with all faults, each in the form in which it was typed.
+        FileError: fields are invalid; the error contains all faults, each in the form in which the field was
+            typed.
     """
     try:
         content = dict(_value(kind, word) for word in words)

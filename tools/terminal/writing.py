@@ -10,14 +10,14 @@ from handcart.files.whole_file import write_whole
 
 
 class NotWritable(InputError):
-    """Error: a file cannot be written at the requested path."""
+    """Error of a file that cannot be written to the requested path."""
 
     def __init__(self, path: Path, why: str | None, allowed: str = "a file in a folder that exists") -> None:
         super().__init__(f"{path} can't be written: {why}; allowed: {allowed}")
 
 
 def check_folder(folder: Path) -> None:
-    """Check, without making it, that a folder could be made, or written into if it exists.
+    """Check that a folder could be created, or files written into it if it exists, without doing so.
 
     Raises:
         NotWritable: its nearest existing parent is not a folder, or may not be written into.
@@ -30,7 +30,7 @@ def check_folder(folder: Path) -> None:
 
 
 def write_text(path: Path, text: str | bytes) -> None:
-    """Write a complete file or nothing: an existing file is replaced at once.
+    """Write a file completely or not at all; an existing file is replaced in one step.
 
     Args:
         path: the file.

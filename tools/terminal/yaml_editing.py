@@ -29,18 +29,18 @@ def edited(text: str, change: Callable[[Any], None]) -> str:
 
 
 def flow_list(values: Sequence[float] | Sequence[str]) -> CommentedSeq:
-    """Return values as a YAML list in one line, such as [1.0, 2.0]."""
+    """Return values as a list for ruamel that is written in one line of YAML, such as [1.0, 2.0]."""
     result = CommentedSeq(values)
     result.fa.set_flow_style()
     return result
 
 
 def put(data: CommentedMap, key: str, value: Any) -> None:
-    """Set a value by its dotted key, in place of an existing one.
+    """Set a value in the data of a YAML file by its dotted key, in place of an existing value.
 
     Args:
         data: ruamel's data of the file, which is changed.
-        key: such as `arm.accuracy_mm`; missing keys on the way are added after the existing ones.
+        key: such as `arm.accuracy_mm`; missing keys of the path are added after the existing keys.
         value: the value.
     """
     *way, last = key.split(".")
