@@ -189,7 +189,7 @@ class Pick(ActionPrimitive):
         )
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """Play the motion backwards, so that the object is on its surface again before the fingers open."""
+        """Play the motion backwards: the object is on its surface again before the fingers open."""
         self._held = False
         yield from retrace(robot, start, trace)
         objects = model.of(Objects)

@@ -116,7 +116,7 @@ class PlaceObject(ActionPrimitive):
         return "" if held is None else name_in_world(held.object)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return a message that says why the object cannot be put on the surface; empty if it can."""
+        """Return why the object can't be put on the surface; empty if it can."""
         objects = model.of(Objects)
         held, surface = objects.held_object, objects.objects.surfaces.get(self.surface)
         if held is None or surface is None:

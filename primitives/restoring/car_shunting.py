@@ -32,7 +32,7 @@ PROGRESS_STEP_M = 0.01  # along the path, less is no progress
 
 
 def known_discs(robot: Robot, model: ModelView | WorldModel) -> FloatArray:
-    """Return known and sensed obstacles on the map as discs (n, 3): x, y and radius, in [m]."""
+    """Return known and sensed obstacles (n, 3) on the map: x, y and radius, in [m]."""
     rocks = model.discs
     known = rocks + np.array([0.0, 0.0, ROCK_POSITION_TOLERANCE_M]) if len(rocks) else rocks
     return np.vstack([known, point_discs(avoided_points(robot, model))])

@@ -8,8 +8,8 @@ from typing import NamedTuple
 class Patience(NamedTuple):
     """Limits on repeating the restoring, as number of attempts and time between them.
 
-    A fault during the restoring may pass by itself: a drive that refuses a command, a late reading, a person
-    in the way.
+    A fault on the way back may pass by itself: a drive that refuses a command, a late reading, a person in
+    the way.
     """
 
     attempts: int = 1

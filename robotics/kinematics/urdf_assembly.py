@@ -148,7 +148,7 @@ def root_link(robot: ElementTree.Element) -> str:
     """Return the link that no joint moves.
 
     Raises:
-        ValueError: the URDF has no such link, or several.
+        ValueError: the URDF has none or several.
     """
     children = {child.get("link") for child in robot.findall("joint/child")}
     roots = [name for name in _names(robot, "link") if name not in children]

@@ -30,7 +30,7 @@ CAMPAIGN_LEVELS: Mapping[str, Level] = {"run": "run", "fitted": "fitted", "netwo
 
 
 class NotPossible(InputError):
-    """Error of campaign options that are invalid by themselves or together, raised before anything moves."""
+    """Error of campaign options that are invalid, alone or together; nothing has moved."""
 
 
 @dataclass(frozen=True, kw_only=True)

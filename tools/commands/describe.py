@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def describe(name: Annotated[str, typer.Argument(help="a primitive, such as MOVE_TO, or a backend")]) -> None:
-    """Print a description of a primitive (effect, parameters, needs and facts), or of a backend's limits."""
+    """Describe a primitive's effect, parameters, needs and facts, or a backend's limits."""
     from handcart.backends.registry import backend_class, backend_names
     from handcart.primitives.registry import primitive_class
 

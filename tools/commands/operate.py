@@ -89,7 +89,7 @@ def break_at(
 
 
 def status(run: LatestRun = None, as_json: Json = False) -> None:
-    """Print the present state of a run."""
+    """Report the state of a run."""
     _say("status", _or_latest(run), as_json)
 
 

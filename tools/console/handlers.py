@@ -112,7 +112,7 @@ class Handlers:
         return found if isinstance(found, web.Response) else _json(found)
 
     async def file(self, request: web.Request) -> web.Response:
-        """Send a picture that the robot has taken during a run."""
+        """Answer with a picture that the robot took."""
         folder, name = self._folder(request), request.match_info["file"]
         where, _, file = name.rpartition("/")
         if where != EVIDENCE_PATH or not file.endswith(EVIDENCE_SUFFIXES):
@@ -167,7 +167,7 @@ class Handlers:
         return reason if isinstance(reason, web.Response) else _json({"ok": True, "reason": reason})
 
     async def lease(self, request: web.Request) -> web.Response:
-        """Give the right to command to the requesting browser tab, or release it."""
+        """Take or release the right to command."""
         word, tab = await _body(request), _tab(request)
         name = word.get("name")
         if not tab:
@@ -191,7 +191,7 @@ class Handlers:
         return _json({"ok": True, "url": TICKETS_PATH + self._tickets.give(folder, str(word["page"]))})
 
     async def page(self, request: web.Request) -> web.Response:
-        """Send the page of a run for which a ticket was issued."""
+        """Answer with the page that a ticket opens."""
         ticket = self._tickets.take(request.match_info["word"])
         if ticket is None:
             return said(403, "this address was valid once, within half a minute; the console opens it again")

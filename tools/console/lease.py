@@ -27,10 +27,10 @@ class Lease:
         return bool(tab) and self._current() == tab
 
     def take(self, tab: str, name: str) -> None:
-        """Give the right to command to a browser tab, whichever tab had it before.
+        """Give the lease to a tab, whichever tab had it before.
 
         Args:
-            tab: identifier of the browser tab.
+            tab: identifier of the tab.
             name: name of the operator, which all tabs show.
         """
         self._holder, self._name = tab, name
@@ -56,10 +56,8 @@ class Lease:
             self._since_gone = self._clock()
 
     def holder(self) -> dict[str, Any]:
-        """Return who has the right to command: the identifier (`tab`) of the browser tab, and the operator's
-        `name`.
-
-        Both are empty if nobody has it.
+        """Return identifier (`tab`) and `name` of the tab that may command, for all clients; "" if none
+        may.
         """
         return {"tab": self._current(), "name": self._name}
 

@@ -25,7 +25,7 @@ def compare(
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
-    """Align two maps with each other, and print the distances between their walls."""
+    """Align a map with another one, and report how far apart their walls are."""
     from handcart.evaluation.mapping.comparison_picture import draw_comparison
     from handcart.robotics.geometry.pose2 import Pose2
     from handcart.robotics.navigation.mapping.map_comparison import compare_maps

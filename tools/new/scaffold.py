@@ -27,7 +27,7 @@ class NotAName(InputError):
 
 
 class FolderInUse(InputError):
-    """Error of a new project whose folder already contains files."""
+    """Error: the folder for a new project contains files."""
 
 
 class Starter(NamedTuple):

@@ -103,9 +103,7 @@ class RunDesk:
         self._looked: tuple[object, LastRun | None] = (None, None)
 
     def offer(self, link: ServingLink) -> None:
-        """Offer ROS 2 services that start a run of each task, acknowledge a waiting record, and resume
-        a run.
-        """
+        """Offer the services that start a run of each task, acknowledge and resume."""
         for name in self._tasks:
             link.serve(f"{SERVICE_PREFIX}/run/{name}", lambda name=name: self.request(name))  # type: ignore[misc]
         link.serve(f"{SERVICE_PREFIX}/acknowledge", self.acknowledge)

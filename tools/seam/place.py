@@ -23,9 +23,7 @@ def place(
         typer.Option(help="a file with the work piece (default: nothing is in the arm's way)"),
     ] = None,
 ) -> None:
-    """Divide a seam among places of the base, and write a task with its files and the picture
-    placements.svg.
-    """
+    """Divide a path among places of the base; write task.yaml with its files, and placements.svg."""
     from handcart.backends.description.robot_file import UnknownPosture
     from handcart.backends.loading.robot_loading import load_robot
     from handcart.evaluation.seam.seam_placing import NoToolArm, place_seam, write_task

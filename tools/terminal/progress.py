@@ -38,9 +38,9 @@ COLOUR_BY_OUTCOME = {"Success": "green", "Fail": "yellow", "GiveUp": "red"}
 
 
 class Progress(RunObserver):
-    """Observer that prints the progress of a run to stderr, so that stdout contains only the result.
+    """Progress output: one line for each event, and on a terminal the present activity.
 
-    It prints one line for each event. On a terminal, it also shows the present activity.
+    Writes to stderr, so that stdout holds the result alone.
     """
 
     def __init__(self, begins: Callable[[], None] = lambda: None) -> None:
@@ -102,7 +102,7 @@ class Progress(RunObserver):
                 self._tell("writing down what was seen")
 
     def period(self, robot: Robot) -> None:
-        """Update the elapsed time in the line with the present activity; called in each control period."""
+        """Update the elapsed time on a terminal."""
         if robot.time >= self._next:
             self._next = robot.time + 0.5
             self._status.update(f"[dim]{robot.time:8.1f} s[/dim]  {self._now}{self._how_far(robot.time)}")

@@ -10,7 +10,7 @@ from handcart.files.whole_file import write_whole
 
 
 class NotWritable(InputError):
-    """Error of a file that cannot be written to the requested path."""
+    """Error: a file cannot be written at the requested path."""
 
     def __init__(self, path: Path, why: str | None, allowed: str = "a file in a folder that exists") -> None:
         super().__init__(f"{path} can't be written: {why}; allowed: {allowed}")

@@ -29,7 +29,7 @@ def edited(text: str, change: Callable[[Any], None]) -> str:
 
 
 def flow_list(values: Sequence[float] | Sequence[str]) -> CommentedSeq:
-    """Return values as a list for ruamel that is written in one line of YAML, such as [1.0, 2.0]."""
+    """Return values as a YAML list in one line, such as [1.0, 2.0]."""
     result = CommentedSeq(values)
     result.fa.set_flow_style()
     return result

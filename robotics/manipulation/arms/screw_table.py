@@ -39,7 +39,7 @@ class ToolTargets(NamedTuple):
 
 
 class ToolRule(NamedTuple):
-    """Requirements on an arm at a point of a path, namely free turns, reach, and the rule for the score."""
+    """Requirements on an arm at a point of a path."""
 
     free: int
     """1 if the azimuth of the tool is free, 2 if the turn about its x axis is, 0 if none is."""

@@ -67,7 +67,7 @@ class BaseStop(NamedTuple):
 
 
 class StopTable(NamedTuple):
-    """Scores of b base poses for n goals, and which of m landmarks are visible from each base pose."""
+    """Scores of b base poses for n goals, and which of m landmarks are in sight."""
 
     values: FloatArray
     """Scores (b, n); 0 where a goal is not served."""

@@ -23,7 +23,7 @@ _RAY_NOISE = 6e-5  # [rad] of a corner: 0.05 px of a lens of 800 px
 
 
 class Swing(NamedTuple):
-    """Motion of the arm from a reference posture, given by the hand's poses before and after the motion."""
+    """A motion of the arm from a reference posture, by the poses of the hand before and after it."""
 
     base_T_hand: Transform
     """Pose of the hand by the joints, (4, 4)."""

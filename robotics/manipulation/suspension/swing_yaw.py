@@ -12,7 +12,7 @@ _FEWEST = 3  # of steps between stops
 
 
 class SwingYaw(NamedTuple):
-    """Estimated yaw of a base on springs for each swing of its arm, and the scatter of that yaw."""
+    """Yaw of a base on springs for each swing of its arm, with its scatter."""
 
     yaw_per_swing: float
     """Mean yaw for each move of the arm out and back, in [rad], positive to the left."""

@@ -49,8 +49,7 @@ class ArmLoad:
         return arm.of_arm(pin.rnea(self._model, self._data, *moved))
 
     def push(self, q: FloatArray, force: FloatArray) -> FloatArray:
-        """Return the joint torques (n,), in [Nm], with which the tool exerts a force (3,) on its
-        surroundings.
+        """Return the torques (n,) in [Nm] for a force (3,) of the tool on its surroundings.
 
         Args:
             q: (n,) joint angles in [rad].

@@ -45,7 +45,7 @@ class Frontier(NamedTuple):
 
 
 class Border(NamedTuple):
-    """Border between the free and the unknown ground of a map, with frontiers and numbers of its cells."""
+    """Border between free and unknown ground."""
 
     frontiers: list[Frontier]
     """Parts that the robot could cross, at least as long as its radius."""

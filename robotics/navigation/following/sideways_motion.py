@@ -86,9 +86,7 @@ class SidewaysRegulator(PoseRegulator):
 
 
 def speed_towards(x: float, y: float, limits: DriveLimits) -> float:
-    """Return the maximum speed, in [m/s], in the direction of a vector (x, y) of any length in the base
-    frame.
-    """
+    """Return the maximum speed in [m/s] along a vector (x, y) of any length in the base frame."""
     size = math.hypot(x / limits.speed, y / limits.sideways)
     return limits.speed if size == 0.0 else math.hypot(x, y) / size
 

@@ -62,7 +62,7 @@ class PositioningLocalizer(Localizer):
         self._shifts: tuple[tuple[Pose2, ...], ...] = ((),)  # in each of their periods: of all until then
 
     def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
-        """Move the pose by the travel of the wheels in one period; to be called once a period.
+        """Predict the motion from the wheels' travel; to be called once a period.
 
         Args:
             left: travel of the left wheels, in [m].

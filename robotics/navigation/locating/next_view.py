@@ -45,9 +45,7 @@ class View(NamedTuple):
 
 
 class Surroundings(NamedTuple):
-    """Map of the ground that the lidar has seen around the base, with the base's pose and the places
-    tried.
-    """
+    """Sensed ground around the base."""
 
     seen: GridMap
     """Map in the local frame; ground that was not seen is unknown."""

@@ -27,7 +27,7 @@ STRAIGHTENING_STEPS_RAD = (math.radians(0.5), math.radians(0.1), math.radians(0.
 
 
 class NothingLeft(ValueError):
-    """Error of an edit that would leave no cell of a map."""
+    """Error: an edit would leave no cell of a map."""
 
 
 def crop_to(grid: GridMap, low: tuple[float, float], high: tuple[float, float]) -> GridMap:

@@ -59,9 +59,7 @@ class Keyframe(NamedTuple):
 
 
 def keyframe_rows(log: ScanLog) -> list[int]:
-    """Return the rows of a log at which the base has moved enough for a new keyframe, first and last row
-    included.
-    """
+    """Return the rows at which the base has moved enough for a keyframe, the first and last included."""
     rows, last = [0], Pose2(*log.odometry[0])
     for row, pose in enumerate(map(Pose2._make, log.odometry.tolist())):
         if pose.distance(last) >= KEYFRAME_TRAVEL_M or pose.turn(last) >= KEYFRAME_TURN_RAD:

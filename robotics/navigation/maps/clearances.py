@@ -14,7 +14,7 @@ from handcart.robotics.numerics.compiled import compiled
 
 
 class Nearest(NamedTuple):
-    """Nearest solid cell of a map to a point, with its distance and its nearest spot."""
+    """The nearest solid cell to a point."""
 
     distance: float
     """Distance to the cell's square in [m]; 0 inside of the cell, inf if the map is empty."""

@@ -16,7 +16,7 @@ CELLS_PER_STEP = 32
 
 
 class ExpectedEchoes(NamedTuple):
-    """Expected echoes of a scan's beams by a map, with the first occupied cell on each beam and its range."""
+    """Expected echo of each beam of a scan."""
 
     met: BoolArray
     """(n,) whether it meets an occupied cell of the map within reach."""

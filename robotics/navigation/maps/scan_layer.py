@@ -46,7 +46,7 @@ class ScanLayer:
 
     @property
     def points(self) -> FloatArray:
-        """Centres (n, 2) of the cells with a sensed obstacle, on the map, in [m]."""
+        """Centres (n, 2) of the occupied cells on the map, in [m]."""
         return self._grid.to_point(np.argwhere(self.occupied))
 
     def merged(self) -> GridMap:

@@ -39,7 +39,7 @@ class BentWay(_BentSums):
 
     @classmethod
     def straight(cls) -> Self:
-        """Return sums of zero, as at the beginning of a drive."""
+        """Return sums of zero, for the beginning of a drive."""
         return cls(np.zeros((2, 2)), np.zeros((3, 3)))
 
     @cached_property

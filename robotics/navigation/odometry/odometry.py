@@ -165,7 +165,7 @@ class Odometry:
         self._origin.shared[:, :3] = spread @ carry.T
 
     def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
-        """Move the pose by the travel of the wheels since the last call, and update the covariance.
+        """Move the pose by the travel of the wheels since the last call.
 
         Args:
             left: travel of the left wheel, in [m].

@@ -61,8 +61,8 @@ class WatchedMoment(NamedTuple):
         return cls(Belief(now.mean[:states].copy(), covariance[:, :states].copy()), covariance)
 
     def stepped(self, transition: FloatArray) -> Self:
-        """Return the moment after a prediction step of the filter, whose states (n,) change by `transition`
-        (n, n).
+        """Return the moment after the present states, (n,) in any units, were predicted with `transition` (n,
+        n).
         """
         return type(self)(self.belief, self.shared @ transition.T)
 

@@ -94,7 +94,7 @@ class FieldLocalizer(ABC):
 
     @property
     def parts(self) -> Sequence[Any]:
-        """Components of the estimator whose own `STATE` has to be stored in a checkpoint too."""
+        """Components that have a `STATE` of their own."""
         return ()
 
     @property
@@ -177,9 +177,7 @@ class FieldLocalizer(ABC):
             self._ranges(distances)
 
     def mark(self) -> Belief | None:
-        """Mark this moment, for which `smoothed` shall return a belief; return the present belief, None
-        without smoother.
-        """
+        """Mark this moment for `smoothed`; return the present belief, None for a filter without smoother."""
         return None
 
     def smoothed(self) -> list[Belief]:

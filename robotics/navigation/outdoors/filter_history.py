@@ -31,7 +31,7 @@ class FilterMoment(NamedTuple):
 
 
 class FixResult(NamedTuple):
-    """Result of updating the filter with a GNSS fix, which states whether it was used, and its likelihood."""
+    """Result of updating the filter with a fix."""
 
     believed: bool
     log_likelihood: float

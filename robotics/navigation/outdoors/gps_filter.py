@@ -127,9 +127,9 @@ class GpsFilter(FieldLocalizer):
 
     @property
     def meanwhile(self) -> Belief | None:
-        """Pose estimated from the mixture of all headings; None once the heading is known.
+        """Mean (3,) and covariance (3, 3) of the mixture of all headings; None once the heading is known.
 
-        It has a mean (3,) and a covariance (3, 3) of x, y in the field's frame in [m] and heading in [rad].
+        x, y in the field's frame in [m], heading in [rad].
         """
         if not self._searching:
             return None

@@ -26,7 +26,7 @@ BIAS_MEMORY_S = 20.0  # [s] over which a gyro's bias is averaged at rest: longer
 
 
 class Advance(NamedTuple):
-    """Motion of the base since the last step of the filter, measured by wheels and vertical gyro."""
+    """Motion since the last step of the filter, by wheels and vertical gyro."""
 
     forward: float
     """Level travel over ground, in [m]; negative backwards."""

@@ -19,8 +19,8 @@ NTH_NEAREST = 1  # of the points on a side, that counts: the nearest one may be 
 def centred(points: FloatArray, shape: Footprint, sensed: FloatArray) -> tuple[FloatArray, float]:
     """Return a route shifted to the middle of narrow places.
 
-    A place is narrow if sensed points are within `NARROW_M` of the footprint on both sides. Only the first
-    `AHEAD_M` of the route are shifted, by at most `MAX_SHIFT_M`.
+    A place is narrow if things are within `NARROW_M` of the footprint on both sides. Only the first `AHEAD_M`
+    of the route are shifted, by `MAX_SHIFT_M` at most.
 
     Args:
         points: (n, 2) route from the robot on, on the map, in [m].

@@ -22,8 +22,7 @@ SPACING_M = 0.03  # between points of a pass
 def straight_passes(
     grid: GridMap, shape: Footprint, points: FloatArray, spot: FloatArray
 ) -> list[FloatArray]:
-    """Return routes that pass a narrow place straight through its middle, those with the longest straight
-    part first.
+    """Return routes that lead straight through the middle of a narrow place, the longest straight one first.
 
     Args:
         grid: the map; unknown cells count as blocked.

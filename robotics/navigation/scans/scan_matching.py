@@ -32,7 +32,7 @@ ANNEALING_SCALES_M = (
 
 
 class ScanMatch(NamedTuple):
-    """Result of matching a scan with a map, with the best pose, its covariance, and measures of quality."""
+    """Pose at which a scan fits the map best."""
 
     pose: Pose2
     """map_T_base."""

@@ -67,11 +67,10 @@ class LabelReader(ABC):
 
     @abstractmethod
     def read_crops(self, crops: Sequence[ByteArray]) -> list[LabelReading]:
-        """Return the text read on each crop of a label.
+        """Return one reading for each crop.
 
         Args:
-            crops: cut-out pictures of labels (crop_height_px, w), grey, turned so that the text runs from
-                left to right.
+            crops: upright pictures (crop_height_px, w), grey, with text running left to right.
         """
 
     def read(
@@ -178,7 +177,7 @@ def _flat_label(
 def cut_to_print(crop: ByteArray) -> ByteArray:
     """Return a crop (h, k), grey, without the empty paper before and after the text.
 
-    A margin of a fifth of the crop's height stays on both sides.
+    A margin of a fifth of its height stays on both sides.
 
     Args:
         crop: (h, w), grey.

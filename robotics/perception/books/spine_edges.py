@@ -52,7 +52,7 @@ class Strips(NamedTuple):
         return self._replace(grey=self.grey[self.z > height], z=self.z[self.z > height])
 
     def at(self, y: FloatArray) -> FloatArray:
-        """Return the grey levels (n, m), 0 to 255, of all n strips at lateral positions; NaN if not visible.
+        """Return the grey levels (n, m) of all strips, 0 to 255; NaN where the view shows nothing.
 
         Args:
             y: (m,) lateral positions in the shelf frame, in [m].

@@ -36,7 +36,7 @@ class CalibrationBoard(ABC):
         return float(self._size[0]), float(self._size[1])
 
     def draw(self, m_per_px: float = 1.25e-4) -> ByteArray:
-        """Return the board's pattern as a grey image (h, w) for printing, without a margin.
+        """Return the board as a grey image (h, w) for printing, without a margin.
 
         Args:
             m_per_px: size of a pixel, in [m].

@@ -97,7 +97,7 @@ class CameraModel(NamedTuple):
         return points
 
     def plane_in_image(self, points: FloatArray, camera_T_plane: FloatArray, x: float = 0.0) -> FloatArray:
-        """Return the pixels (n, 2), column and row in [px], of points on a plane; the inverse of
+        """Return the pixels (n, 2) of points on a plane, column and row in [px]: the inverse of
         `pixel_on_plane`.
 
         Args:

@@ -23,7 +23,7 @@ MOVED_BY = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] how far, then
 
 
 class Kind(NamedTuple):
-    """Kind of a landmark, by the properties that distinguish landmarks in a picture."""
+    """Properties that distinguish landmarks in a picture."""
 
     height: float
     """Height (z) in the base frame of the surface on which the landmark lies, in [m]."""

@@ -73,7 +73,7 @@ def read_tags(
 
 
 class TagPose(NamedTuple):
-    """Possible pose of a tag that fits its corners in an image, with the residual."""
+    """A pose of a tag that fits its corners."""
 
     camera_T_tag: FloatArray
     """Pose (4, 4) of the tag, whose frame has its origin in the middle, x right, y up, z out of the tag."""

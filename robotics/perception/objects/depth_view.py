@@ -18,7 +18,7 @@ PLANE_ROUNDS = 3
 
 
 class DepthView(NamedTuple):
-    """Points seen in one depth picture, in the base frame."""
+    """Points of one depth picture."""
 
     points: FloatArray
     """(n, 3) in the base frame, in [m]."""
@@ -46,7 +46,7 @@ class OverSurface(NamedTuple):
 
 
 def depth_view(depth: SingleArray, camera: CameraModel, base_T_camera: Transform) -> DepthView:
-    """Return the readings of a depth picture as points in the base frame.
+    """Return the points of a depth picture.
 
     Args:
         depth: (h, w) depths along the optical axis, in [m]; NaN without a reading.

@@ -35,7 +35,7 @@ LYING_BAND_M = 0.003  # from the side
 
 
 class KnownSolid(NamedTuple):
-    """Known object that may be seen, a box or a cylinder along z of known size."""
+    """A box, or a cylinder along z, of known size."""
 
     name: str
     size: tuple[float, float, float]

@@ -24,7 +24,7 @@ OUTLINE_SAMPLE_COUNT = 72  # along the outline, for its coverage
 
 
 class OutlineFit(NamedTuple):
-    """Pose of a rectangular or circular outline that was fitted to points, with its accuracy."""
+    """Pose of an outline."""
 
     x: float
     """Position of the outline's middle along x, in [m]."""
