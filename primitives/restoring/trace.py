@@ -58,7 +58,8 @@ class Trace:
         return begin + int(np.argmin(off))
 
     def cut_to(self, robot: Robot) -> None:
-        """Replace the poses of the base after it was at its current pose, so that they are not retraced.
+        """Replace the base's pose by its present one in all moments after it was there, so that they are not
+        retraced.
 
         The moments of arm and gripper stay.
         """

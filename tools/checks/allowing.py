@@ -16,7 +16,8 @@ def allow_contacts(file: Path) -> None:
 
     The changes are printed to stderr.
 
-    Args: file: path of the robot's file.
+    Args:
+        file: path of the robot's file.
 
     Raises:
         FileError: the robot's files are wrong.

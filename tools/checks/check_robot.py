@@ -141,7 +141,8 @@ def _lines(report: RobotReport, every: bool) -> list[str]:
 def lines_of(*parts: Any) -> list[str]:
     """Return tables and lines as lines of text, as they are printed on a terminal.
 
-    Args: parts: tables, and lines of text, in order.
+    Args:
+        parts: tables, and lines of text, in order.
     """
     from rich.console import Console
     from rich.text import Text

@@ -56,7 +56,8 @@ def robots_beside(urdf: Path) -> list[Path]:
 def model_of(kind: str) -> Any:
     """Return the model by which files of a kind are checked.
 
-    Raises: KeyError: the kind is unknown.
+    Raises:
+        KeyError: the kind is unknown.
     """
     found = imported(kinds()[kind])
     return found() if isfunction(found) else found

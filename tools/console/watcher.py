@@ -68,7 +68,9 @@ class Watcher:
         """Wait until the runs' states have changed since `version`, and return the number of their present
         version.
 
-        Args: version: version that the client has. patience: longest time to wait, in [s].
+        Args:
+            version: version that the client has.
+            patience: longest time to wait, in [s].
         """
         async with self._changed:
             with suppress(TimeoutError):

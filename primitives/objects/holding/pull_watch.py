@@ -67,7 +67,7 @@ class PullWatch:
         """Measure the force at rest again where the hand is now, and set `is_rested`.
 
         If the force differs from the earlier force at rest, somebody may pull already: `is_rested` is False
-        then, and the earlier force at rest stays valid. Otherwise the pull would count as weight.
+        then, and the earlier force at rest stays valid. So a pull is not taken for weight.
         """
         mean, _ = yield from self._readings()
         self._forces.clear()
@@ -76,8 +76,8 @@ class PullWatch:
             self._rest = mean
 
     def feel(self) -> None:
-        """Add this period's reading of the force to the last ones, less the force at rest; call once a
-        period.
+        """Read the force in this period, and add it, less the force at rest, to the last readings; call it
+        once a period.
         """
         self._forces.append(self._force() - self._rest)
         if not self.is_rested and self.is_calm:

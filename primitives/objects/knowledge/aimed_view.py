@@ -67,8 +67,7 @@ def aimed_views(
         carrier: link that carries the camera.
         carrier_T_camera: (4, 4) of the optical frame.
         point: (3,) in the base frame, in [m].
-        posture: (n,) of all joints; joints that move the hand keep their values of it, except those of a
-            lift.
+        posture: (n,) of all joints; joints that move the hand keep their values in it, except lifts.
     """
     above = arm.moving(carrier)
     turning = above & ~arm.moves_tip

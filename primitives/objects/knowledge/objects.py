@@ -166,8 +166,8 @@ class Objects(Section):
     ) -> Generator[None, None, bool]:
         """Measure the pose of a surface by lidar and note it; return whether it was seen.
 
-        A surface that the lidar does not see keeps the pose of its file. The surface's distance and turn
-        relative to the base are then known better than the base's pose on the map. The place that was
+        A surface that the lidar does not see keeps the pose of its file. After the measurement, distance and
+        turn between base and surface are known better than the base's pose on the map. The place that was
         computed before the surface moves with it.
 
         Args:

@@ -70,7 +70,7 @@ def standing_place(
         places: known places of the base; a route must lead from one of them.
 
     Raises:
-        NoStandingPlace: no floor next to the surface is free, or from no place the arm reaches all work.
+        NoStandingPlace: no floor next to the surface is free, or the arm reaches all work from no place.
     """
     surface, arm = file.surfaces[name], robot.arm_model()
     work = _work(file, name)

@@ -43,7 +43,8 @@ class ReadTag(NamedTuple):
 def read_objects(
     image: ByteArray, camera: CameraModel, base_T_camera: Transform, file: ObjectsFile
 ) -> list[ReadTag]:
-    """Return all tags in a picture of the tag families that the file uses, in the order of their numbers.
+    """Return all tags in a picture that belong to a tag family used in the file, in the order of their
+    numbers.
 
     Args:
         image: (height, width), grey.

@@ -61,10 +61,10 @@ def best_division(scores: PlacementScores, lengths: FloatArray, count: int) -> D
 
     The result is the exact optimum.
 
-    By layered dynamic programming over the steps j of the path and the placements b: D_k(j, b) = gain(b, j) +
-    max(D_k(j-1, b), max over b' of D_{k-1}(j-1, b')). D_k(j, b) is the best integral up to step j with k
-    placements, the last of which is b. The integral never falls with more placements, so their number must be
-    limited; see also `best_division_by_cost`.
+    It is computed by layered dynamic programming over the steps j of the path and the placements b: D_k(j, b)
+    = gain(b, j) + max(D_k(j-1, b), max over b' of D_{k-1}(j-1, b')). D_k(j, b) is the best integral up to
+    step j with k placements, the last of which is b. The integral never falls with more placements, so their
+    number must be limited; see also `best_division_by_cost`.
 
     Among placements of equal value the one with the lowest number is taken, so base poses should be in the
     order of preference.

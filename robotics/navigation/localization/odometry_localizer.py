@@ -132,8 +132,8 @@ class OdometryLocalizer(Localizer):
     def added_sigma(self) -> float:
         """Standard deviation, in [m], that the drive since the last check has added to the position.
 
-        It is that along the worst direction. It is 0 if no scan at rest can reduce it: without a map, or
-        while scans do not fit the map.
+        The value is that along the direction in which it is largest. It is 0 if no scan at rest can reduce
+        it: without a map, or while scans do not fit the map.
         """
         if not self.unchecked or self.astray or self.explained < LEAST_INLIERS:
             return 0.0

@@ -55,8 +55,9 @@ class Explained(NamedTuple):
 def matching_noise(field: LikelihoodField, sigma: float) -> float:
     """Return the standard deviation of a scan point's distance to the map, in [m].
 
-    Args: field: likelihood field of the map, whose resolution counts. sigma: standard deviation of a range,
-    in [m].
+    Args:
+        field: likelihood field of the map, whose resolution counts.
+        sigma: standard deviation of a range, in [m].
     """
     return math.hypot(sigma, CELL_SIGMA * field.map.resolution)
 

@@ -40,7 +40,8 @@ def same_ranges(one: FloatArray, other: FloatArray) -> bool:
 def beam_step(angles: FloatArray) -> float:
     """Return the angle between neighbouring beams, in [rad]; 0 for a single beam.
 
-    Args: angles: (n,) angles of the beams at even steps, in [rad].
+    Args:
+        angles: (n,) angles of the beams at even steps, in [rad].
     """
     count = len(angles)
     return (angles[count - 1] - angles[0]) / max(1, count - 1) if count else 0.0

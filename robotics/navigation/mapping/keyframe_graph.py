@@ -102,8 +102,9 @@ class KeyframeGraph:
     def search(self, heard: Heard = ignore_stage, since: int = 0) -> None:
         """Search for loop closures and optimize the poses, until no new closure is found.
 
-        Args: heard: receives the progress. since: number of the first keyframe that is compared with earlier
-        ones.
+        Args:
+            heard: receives the progress.
+            since: number of the first keyframe that is compared with earlier ones.
         """
         for number in range(MAX_ROUNDS):
             found = list(self._close(_stage(heard, f"closing loops, round {number + 1}"), since))

@@ -49,7 +49,8 @@ class MapComparison(NamedTuple):
         A wall cell is on both maps if its distance is at most `SAME_WALL_M`; other cells are missing from the
         other map.
 
-        Args: distances: (n,) `first` or `second`.
+        Args:
+            distances: (n,) `first` or `second`.
         """
         known = distances[np.isfinite(distances)]
         near = known[known <= SAME_WALL_M]

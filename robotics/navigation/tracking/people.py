@@ -65,7 +65,8 @@ class People(NamedTuple):
     def spreads(self, times: FloatArray) -> FloatArray:
         """Return the standard deviations (p, t) of all people's predicted positions, in [m].
 
-        Args: times: (t,) times from now, in [s].
+        Args:
+            times: (t,) times from now, in [s].
         """
         P, t = self.covariances, times[None]
         along = [

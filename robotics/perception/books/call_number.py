@@ -52,8 +52,10 @@ def parse(text: str) -> CallNumber | None:
 def snap(text: str, catalogue: Sequence[CallNumber], distance: int = 2) -> CallNumber | None:
     """Return the known call number nearest to a text; None if there are several, or if none is near enough.
 
-    Args: text: text as it was read. catalogue: known call numbers. distance: largest number of edits
-    (Levenshtein) between the text and a call number.
+    Args:
+        text: text as it was read.
+        catalogue: known call numbers.
+        distance: largest number of edits (Levenshtein) between the text and a call number.
     """
     read = text.replace(" ", "").upper()
     exact = {known for known in catalogue if str(known).replace(" ", "") == read}

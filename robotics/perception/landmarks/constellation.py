@@ -114,7 +114,8 @@ def rivals(explanations: Sequence[MarkAssignment]) -> list[MarkAssignment]:
     """Return the most likely assignment, then all those with another pose of the base that are hardly less
     likely.
 
-    Args: explanations: assignments, the most likely first.
+    Args:
+        explanations: assignments, the most likely first.
     """
     best = explanations[0]
     close = [explanation for explanation in explanations if explanation.score > best.score - MIN_LOG_RATIO]

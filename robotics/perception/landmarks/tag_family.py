@@ -48,7 +48,8 @@ CORRECTING_FAMILIES: tuple[TagFamily, ...] = (
 def dictionary(family: TagFamily) -> cv2.aruco.Dictionary:
     """Return OpenCV's dictionary with the codes of a tag family.
 
-    Raises: ValueError: the family is unknown.
+    Raises:
+        ValueError: the family is unknown.
     """
     if family not in get_args(TagFamily):
         raise ValueError(f"unknown family of tags {family!r}; allowed: {', '.join(get_args(TagFamily))}")

@@ -42,6 +42,7 @@ def is_plain(share: float | None) -> bool:
     """Return whether a part of a surface is completely visible and plain, given its share of pixels with
     edges.
 
-    Args: share: result of `edge_share`; at most `MAX_EDGE_SHARE` for a plain part.
+    Args:
+        share: result of `edge_share`; at most `MAX_EDGE_SHARE` for a plain part.
     """
     return share is not None and share <= MAX_EDGE_SHARE

@@ -109,7 +109,9 @@ def outline_of(points: FloatArray, cell: float) -> FloatArray | None:
 
     Points are rounded to a grid, and neighbouring cells of the grid are connected.
 
-    Args: points: (n, 2) in any one frame, in [m]. cell: side of a cell of the grid, in [m].
+    Args:
+        points: (n, 2) in any one frame, in [m].
+        cell: side of a cell of the grid, in [m].
     """
     low = points.min(axis=0) - 4 * cell
     cells = np.rint((points - low) / cell).astype(np.int64)
