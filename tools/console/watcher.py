@@ -53,7 +53,7 @@ class Watcher:
             await asyncio.sleep(LOOKS_S)
 
     async def away(self, work: Any, *words: Any) -> Any:
-        """Run a slow function in a thread, so that it does not block the server's event loop, and return its
+        """Run a slow function in a thread, so that it does not stop the server's event loop, and return its
         result.
         """
         return await asyncio.get_running_loop().run_in_executor(self._pool, work, *words)
