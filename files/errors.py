@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from handcart.files.printable import printable
+from handcart.files.shown_path import shown_path
 
 
 class HandcartError(Exception):
@@ -45,7 +46,8 @@ class Finding:
     message: str
 
     def __str__(self) -> str:
-        place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+        file = shown_path(self.file)
+        place = f"{file}:{self.line}:{self.column}" if self.line else file
         return printable(f"{place}: {self.message}")
 
 

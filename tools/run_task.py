@@ -90,6 +90,7 @@ def run(
 ) -> None:
     """Check a task with all its files, run it, and report how it ended."""
     from handcart.files.printable import composed
+    from handcart.files.shown_path import shown_path
     from handcart.tasks.task_names import task_path
 
     task = task_path(task)
@@ -100,7 +101,7 @@ def run(
         sys.exit(_dry_run(task, backend, settings, seed, situation, script, as_json))
     from handcart.tools.terminal.first_use import first_words
 
-    with first_words(f"loading {task}") as progress_begins:
+    with first_words(f"loading {shown_path(task)}") as progress_begins:
         from handcart.files.models.settings import split_setting
         from handcart.networks.operator.permits import Permits
         from handcart.networks.runs.run_options import RunOptions
@@ -192,10 +193,11 @@ def _dry_run(task: Path, *options: Any) -> int:
         task: the task's file.
         *options: the further arguments of `dry_run`: backend, settings, seed, situation, script, as JSON.
     """
+    from handcart.files.shown_path import shown_path
     from handcart.tools.checks.dry_run import dry_run
     from handcart.tools.terminal.first_use import announced
 
-    with announced(f"checking {task}"):
+    with announced(f"checking {shown_path(task)}"):
         return dry_run(task, *options)
 
 

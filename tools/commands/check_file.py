@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 import typer
 
 from handcart.files.printable import counted
+from handcart.files.shown_path import shown_path
 from handcart.files.stages import begin_stage
 from handcart.tools.checks.few_collections import few_collections
 
@@ -88,7 +89,7 @@ def check(
             raise InputError(f"{'--bag' if bag else '--bench'} without --ros2; needed: both")
         given = dict(split_setting(setting) for setting in settings or [])
         given |= {"policy": policy} if policy else {}
-        with announced(f"checking {file}"):
+        with announced(f"checking {shown_path(file)}"):
             options = CheckOptions(picture, every, allow, draft, backend=backend)
             facts = air_facts(str(file), bench, seconds, bag) if ros2 else file_facts(file, given, options)
     except InputError as error:
@@ -110,7 +111,7 @@ def check(
         print(item, file=sys.stderr)
     faults = counted(len(errors), "fault") if errors else "no fault found"
     also = f", {counted(len(warnings), 'warning')}" if warnings else ""
-    print(f"{file}: {faults}{also}")
+    print(f"{shown_path(file)}: {faults}{also}")
     grouped = facts.pop("grouped", warnings)
     for warning in warnings if every else grouped:
         print(f"  warning: {warning}")

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from handcart.files.shown_path import shown_path
+
 REPORT_PAGE = "report.html"
 EXPLAIN, VIEW = "handcart explain {}", "handcart view {}"
 RESUME_COMMAND = "handcart resume {}"
@@ -23,9 +25,9 @@ def ended_words(summary: Mapping[str, Any]) -> str:
     reason = f": {summary['reason']}" if summary["reason"] else ""
     ended = f"{summary['outcome']} in situation {summary['situation']}{reason}"
     if summary["outcome"] == "Cancelled":
-        kept = f"the state of the run is kept in {summary['run_dir']}"
+        kept = f"the state of the run is kept in {shown_path(summary['run_dir'])}"
         return f"{ended}; the robot has stopped, {kept}; to resume:"
-    return f"{ended}; see {summary['run_dir']}"
+    return f"{ended}; see {shown_path(summary['run_dir'])}"
 
 
 def next_steps(summary: Mapping[str, Any]) -> list[str]:

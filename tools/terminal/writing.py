@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from handcart.files.errors import InputError
+from handcart.files.shown_path import shown_path
 from handcart.files.whole_file import write_whole
 
 
@@ -13,7 +14,7 @@ class NotWritable(InputError):
     """Error: a file cannot be written at the requested path."""
 
     def __init__(self, path: Path, why: str | None, allowed: str = "a file in a folder that exists") -> None:
-        super().__init__(f"{path} can't be written: {why}; allowed: {allowed}")
+        super().__init__(f"{shown_path(path)} can't be written: {why}; allowed: {allowed}")
 
 
 def check_folder(folder: Path) -> None:

@@ -20,6 +20,7 @@ from handcart.evaluation.viewing.explanation.explanation_words import (
     choice_words,
     measured_words,
 )
+from handcart.files.shown_path import shown_path
 from handcart.files.whole_file import write_whole
 from handcart.networks.drawing.network_picture import draw_network
 from handcart.networks.drawing.svg import to_svg
@@ -96,7 +97,7 @@ def _sentence(run: PastRun) -> str:
 def _shown(run: PastRun) -> str:
     """Return the path of the task's file, relative to the working directory if it is inside."""
     path = Path(str(run.header["task_path"]))
-    return str(path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path)
+    return shown_path(path)
 
 
 def _again(run: PastRun) -> str:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from handcart.files.shown_path import shown_path
 from handcart.files.stages import begin_stage
 from handcart.tools.main import main
 from handcart.tools.terminal import first_use
@@ -71,7 +72,7 @@ def test_run_says_what_it_loads_before_it_imports_anything(monkeypatch: pytest.M
     monkeypatch.setattr(first_use, "first_words", noted)
     with pytest.raises(SystemExit):
         main(["run", "drive_map", "--from", "nowhere"])
-    assert said == [f"loading {ROOT / 'tasks/drive_map/task.yaml'}"]
+    assert said == [f"loading {shown_path(ROOT / 'tasks/drive_map/task.yaml')}"]
 
 
 def test_command_that_is_quick_says_nothing(
