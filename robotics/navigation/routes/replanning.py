@@ -11,6 +11,7 @@ from handcart.robotics.geometry.footprint import Footprint
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.blocked_squares import BlockedSquares, blocked_squares, path_clearance
 from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.maps.map_window import window_around
 from handcart.robotics.navigation.maps.room_speeds import RoomSpeeds
 from handcart.robotics.navigation.maps.speed_limits import AllowedSpeeds
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
@@ -26,6 +27,7 @@ WORTH_RATIO = 0.85  # of the old route's price, below which another one is taken
 MAX_ROOMY_LENGTH_RATIO = 1.2  # of the usual length, up to which the first way with room is taken
 ROOMY_DETOUR_RATIO = 0.8  # of the length of a roomy way, below which a narrower one is taken instead
 OFF_ROUTE_M = 0.3  # from the old route, beyond which it is not the robot's any more
+MARGIN_CELLS = 2  # beyond the distance that matters, so that the edge of a window is not an obstacle
 STEP_CELLS = 60_000  # of a map, above which its distances are a step of their own
 USUAL_SPEED_M_S = 0.6  # of robots whose corners have the usual length
 
@@ -189,7 +191,11 @@ def free_length(grid: GridMap, route: FloatArray, least: float) -> tuple[float, 
         route: (n, 2) points of the route on the map, in [m], at least two.
         least: distance that the robot's centre needs from obstacles, in [m].
     """
-    return _Driven(route, grid, blocked_squares(grid.blocked)).free(least, None)
+    low, high = route.min(axis=0), route.max(axis=0)
+    half = float(0.5 * (high - low).max()) + least + MARGIN_CELLS * grid.resolution
+    x, y = 0.5 * (low + high)
+    near = window_around(grid, float(x), float(y), half)
+    return _Driven(route, near, blocked_squares(near.blocked)).free(least, None)
 
 
 class _Plan(NamedTuple):

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.blocked_squares import blocked_squares, path_clearance
 from handcart.robotics.navigation.maps.grid_map import FloorBox, GridMap, from_boxes
-from handcart.robotics.navigation.routes.replanning import Replanner
+from handcart.robotics.navigation.routes.replanning import Replanner, free_length
 from handcart.robotics.navigation.routes.shortcuts import path_length
 
 START, GOAL = Pose2(1.0, 2.0, 0.0), Pose2(7.0, 2.0, 0.0)
@@ -111,3 +112,23 @@ def test_steps_of_a_look_give_what_the_look_gives() -> None:
     assert count > 0
     assert found.kind == whole.kind == "new"
     assert np.array_equal(found.points, whole.points)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_free_length_is_that_by_all_cells_of_the_map(seed: int) -> None:
+    """The part of the map that it looks at leaves out nothing that matters, and its edge is no obstacle."""
+    random = np.random.default_rng(seed)
+    boxes = [FloorBox(*random.uniform((0.5, 0.5), (7.5, 3.5)), 0.0, 0.2, 0.2) for _ in range(12)]
+    grid = room(*boxes)
+    squares = blocked_squares(grid.blocked)
+    for _ in range(40):
+        ends = random.uniform((0.1, 0.1), (7.9, 3.9), (2, 2))
+        route = np.linspace(*ends, 20)
+        cells = (route[:, ::-1] - (grid.origin_y, grid.origin_x)) / grid.resolution - 0.5
+        clearance = path_clearance(squares, cells) * grid.resolution
+        leaving = np.logical_and.accumulate(
+            (clearance < RADIUS) & (np.maximum.accumulate(clearance) <= clearance + 1e-6)
+        )
+        tight = (clearance < RADIUS) & ~leaving
+        found = free_length(grid, route, RADIUS)[1]
+        assert found == (tuple(route[np.argmax(tight)]) if tight.any() else None)
