@@ -11,6 +11,7 @@ import sys
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 import networkx
 import pytest
@@ -60,7 +61,9 @@ def test_nothing_imports_a_bare_room() -> None:
     ]
     bare = re.compile(rf"^\s*(?:from|import\s[^\n]*?)\s*(?<![.\w])(?:{'|'.join(ROOMS)})\b", re.MULTILINE)
     doubted = [path for path in listed if bare.search(path.read_text(encoding="utf-8"))]
-    found = [f"{path}: {name}" for path in doubted for name in imported(path) if name.split(".")[0] in ROOMS]
+    found = [
+        f"{path}: {name}" for path in doubted for name in _facts(path).imported if name.split(".")[0] in ROOMS
+    ]
     assert found == []
 
 
@@ -80,9 +83,40 @@ def test_there_are_no_circles() -> None:
     ] == []
 
 
+class Facts(NamedTuple):
+    """What tests ask of a file, without its syntax tree: the trees of all files take half a gigabyte."""
+
+    imported: tuple[str, ...]
+    """Modules that are imported by their whole names."""
+    imports: tuple[tuple[int, str | None, tuple[str, ...]], ...]
+    """Of each import the level, the module and the names after `import`."""
+    texts: tuple[str, ...]
+    """Strings that begin like a module of ours."""
+    functions: tuple[tuple[str, int, int], ...]
+    """Name, line and lines of each body, without the docstring."""
+    classes: tuple[str, ...]
+
+
 @cache
-def _tree(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
+def _facts(path: Path) -> Facts:
+    nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+    plain = [name.name for node in nodes if isinstance(node, ast.Import) for name in node.names]
+    froms = [node for node in nodes if isinstance(node, ast.ImportFrom)]
+    functions = [node for node in nodes if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
+    return Facts(
+        (*plain, *(node.module or "" for node in froms if not node.level)),
+        (
+            *((0, None, (name,)) for name in plain),
+            *((node.level, node.module, tuple(name.name for name in node.names)) for node in froms),
+        ),
+        tuple(
+            str(node.value)
+            for node in nodes
+            if isinstance(node, ast.Constant) and str(node.value).startswith("handcart.")
+        ),
+        tuple((node.name, node.lineno, _body_lines(node)) for node in functions),
+        tuple(node.name for node in nodes if isinstance(node, ast.ClassDef)),
+    )
 
 
 def _parts(path: Path) -> list[str]:
@@ -93,18 +127,7 @@ def _parts(path: Path) -> list[str]:
 def _named(path: Path) -> Iterator[str]:
     """Everything in a file that may name a module of ours."""
     yield from _imported_modules(path)
-    for node in ast.walk(_tree(path)):
-        if isinstance(node, ast.Constant) and str(node.value).startswith("handcart."):
-            yield str(node.value).replace(":", ".")
-
-
-def imported(path: Path) -> Iterator[str]:
-    """The modules that a file imports by their whole names."""
-    for node in ast.walk(_tree(path)):
-        if isinstance(node, ast.Import):
-            yield from (name.name for name in node.names)
-        elif isinstance(node, ast.ImportFrom) and not node.level:
-            yield node.module or ""
+    yield from (text.replace(":", ".") for text in _facts(path).texts)
 
 
 _ROOMS = "contract outcomes restoring knowledge motions driving"
@@ -168,13 +191,10 @@ def test_folders_do_not_import_each_other_in_circles() -> None:
 def _imported_modules(path: Path) -> Iterator[str]:
     """Everything that a file names after `import`, with its whole name."""
     here = _parts(path) if path.name == "__init__.py" else _parts(path)[:-1]
-    for node in ast.walk(_tree(path)):
-        if isinstance(node, ast.Import):
-            yield from (name.name for name in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            above = here[: len(here) - node.level + 1] if node.level else []
-            base = ".".join([*above, *filter(None, [node.module])])
-            yield from (f"{base}.{name.name}" for name in node.names)
+    for level, module, names in _facts(path).imports:
+        above = here[: len(here) - level + 1] if level else []
+        base = ".".join([*above, *filter(None, [module])])
+        yield from (f"{base}.{name}" if base else name for name in names)
 
 
 def test_tests_mirror_the_rooms() -> None:
@@ -202,11 +222,10 @@ def test_files_have_at_most_400_lines() -> None:
 def test_functions_have_at_most_50_lines() -> None:
     """Without the signature and the docstring; compiled kernels of one loop are longer."""
     bodies = [
-        (f"{path.relative_to(ROOT)}:{node.lineno}: {node.name}", _body_lines(node))
+        (f"{path.relative_to(ROOT)}:{line}: {name}", lines)
         for room in CODE
         for path in (ROOT / room).rglob("*.py")
-        for node in ast.walk(_tree(path))
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+        for name, line, lines in _facts(path).functions
     ]
     assert len(bodies) > 5000
     long = [f"{place}: {lines}" for place, lines in bodies if lines > 50]
@@ -233,24 +252,17 @@ def test_array_types_are_named_in_one_module() -> None:
 
 
 def test_names_of_tests_have_at_most_65_characters() -> None:
-    names = [name for path in (ROOT / "tests").rglob("*.py") for name in _test_names(path)]
+    paths = (ROOT / "tests").rglob("*.py")
+    names = [name for path in paths for name, _, _ in _facts(path).functions if name.startswith("test_")]
     assert [name for name in names if len(name) > 65] == []
-
-
-def _test_names(path: Path) -> list[str]:
-    return [
-        node.name
-        for node in ast.walk(_tree(path))
-        if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")
-    ]
 
 
 def test_class_names_mean_one_thing() -> None:
     names = [
-        node.name
+        name
         for room in ROOMS
         for path in (ROOT / room).rglob("*.py")
-        for node in ast.walk(_tree(path))
-        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+        for name in _facts(path).classes
+        if not name.startswith("_")
     ]
     assert sorted({name for name in names if names.count(name) > 1}) == []

@@ -4,10 +4,21 @@ from __future__ import annotations
 
 import gc
 import weakref
+from collections.abc import Iterator
 from typing import Any, cast
+
+import pytest
 
 from handcart.networks.events.events import Ended, RunEnded
 from handcart.networks.runs.steady_memory import SteadyMemory
+
+
+@pytest.fixture(autouse=True)
+def _nothing_excluded() -> Iterator[None]:
+    """Nothing is excluded from collection at first, as in a fresh process."""
+    gc.unfreeze()
+    yield
+    gc.freeze()
 
 
 class Knot:

@@ -118,12 +118,12 @@ def test_steps_of_a_look_give_what_the_look_gives() -> None:
 def test_free_length_is_that_by_all_cells_of_the_map(seed: int) -> None:
     """The part of the map that it looks at leaves out nothing that matters, and its edge is no obstacle."""
     random = np.random.default_rng(seed)
-    boxes = [FloorBox(*random.uniform((0.5, 0.5), (7.5, 3.5)), 0.0, 0.2, 0.2) for _ in range(12)]
-    grid = room(*boxes)
+    places = random.uniform((0.5, 0.5), (7.5, 3.5), (12, 2)).tolist()
+    grid = room(*(FloorBox(x, y, 0.0, 0.2, 0.2) for x, y in places))
     squares = blocked_squares(grid.blocked)
     for _ in range(40):
-        ends = random.uniform((0.1, 0.1), (7.9, 3.9), (2, 2))
-        route = np.linspace(*ends, 20)
+        start, end = random.uniform((0.1, 0.1), (7.9, 3.9), (2, 2))
+        route = np.linspace(start, end, 20)
         cells = (route[:, ::-1] - (grid.origin_y, grid.origin_x)) / grid.resolution - 0.5
         clearance = path_clearance(squares, cells) * grid.resolution
         leaving = np.logical_and.accumulate(
