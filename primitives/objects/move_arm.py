@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+import numpy as np
 from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView
-from handcart.primitives.motions.arm_motion import move_to_posture
-from handcart.primitives.objects.site.object_site import held_shape, surroundings
+from handcart.primitives.objects.site.object_site import held_shape
+from handcart.primitives.objects.site.roomy_motion import move_with_room
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 
@@ -34,4 +35,5 @@ class MoveArm(ActionPrimitive):
                 permanent=True,
                 cause=causes.NOT_KNOWN,
             )
-        yield from move_to_posture(robot, self.posture, held_shape(model), surroundings(robot, model))
+        joints = np.array(robot.spec.posture(self.posture))
+        yield from move_with_room(robot, model, joints, held_shape(model))

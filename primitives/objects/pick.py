@@ -17,11 +17,12 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
-from handcart.primitives.motions.arm_motion import move_straight, move_to_joints
+from handcart.primitives.motions.arm_motion import move_straight
 from handcart.primitives.motions.grip import close, holds, open_to, width_off
 from handcart.primitives.motions.pushing import push
 from handcart.primitives.objects.files.object_kind import ObjectKind
 from handcart.primitives.objects.holding.carrying import stow
+from handcart.primitives.objects.holding.clearing import lift_clear
 from handcart.primitives.objects.holding.grasp_plan import (
     LIFT_M,
     OPENING_CLEARANCE_M,
@@ -45,8 +46,8 @@ from handcart.primitives.objects.site.object_site import (
     held_box,
     kind_of,
     surface_of,
-    surroundings,
 )
+from handcart.primitives.objects.site.roomy_motion import move_with_room, surroundings_to_try
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import TAKES_OBJECT
@@ -152,6 +153,7 @@ class Pick(ActionPrimitive):
         yield from move_straight(robot, lifted, held)
         yield from self._weigh(robot, kind, empty)
         yield from self._check_gone(robot, model, base_T_object)
+        yield from lift_clear(robot, model, held)
         if self.stow:
             yield from stow(robot, model, kind, hand_T_object)
         self.found(
@@ -214,9 +216,13 @@ class Pick(ActionPrimitive):
         self, robot: Robot, model: ModelView, kind: ObjectKind, base_T_object: Transform
     ) -> Generator[None, None, PlannedGrasp]:
         self._beside = self._seen_beside(robot, model, kind, base_T_object)
-        around = (*surroundings(robot, model, self.object), *self._beside)
         target = kind.body(name_in_world(self.object)).seen_from(base_T_object)
-        choice = yield from robot.compute(plan_grasps, robot, kind, base_T_object, around, target)
+        *roomy, last = surroundings_to_try(robot, model, self.object)
+        for bodies in (*roomy[:1], last):
+            around = (*bodies, *self._beside)
+            choice = yield from robot.compute(plan_grasps, robot, kind, base_T_object, around, target)
+            if choice.planned:
+                break
         self.found(grasps_tried=choice.tried, grasps_free=len(choice.planned))
         if not choice.planned:
             free = Measured("Arm", f"of {choice.reached} grasps within reach those that are free", 0, 1)
@@ -279,9 +285,9 @@ class Pick(ActionPrimitive):
     ) -> Generator[None, None, float]:
         """Go to the object and close the fingers on it; return the weight of the empty hand, in [N]."""
         target = kind.body(name_in_world(self.object)).seen_from(base_T_object)
-        around = (*surroundings(robot, model, self.object), *self._beside, target)
+        around = (*self._beside, target)
         yield from open_to(robot, plan.grasp.width + OPENING_CLEARANCE_M)
-        yield from move_to_joints(robot, plan.before, around=around)
+        yield from move_with_room(robot, model, plan.before, also_around=around, without=self.object)
         pushed = yield from push(robot, plan.base_T_grip, GRASP_SPEED_M_S, GRASP_TOUCH_FORCE_N)
         if pushed.met:
             felt = Measured("Arm", "force that resists the hand", pushed.force, GRASP_TOUCH_FORCE_N, "N")

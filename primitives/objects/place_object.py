@@ -50,9 +50,8 @@ from handcart.primitives.objects.site.object_site import (
     held_box,
     kind_of,
     surface_of,
-    surroundings,
 )
-from handcart.primitives.objects.site.roomy_motion import move_with_room, rooms
+from handcart.primitives.objects.site.roomy_motion import move_with_room, surroundings_to_try
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.preconditions.hand_use import LETS_GO
@@ -72,7 +71,7 @@ TOUCHDOWN_FORCE_N = 3.0
 OVERTRAVEL_M = 0.015  # below the goal, where an object touches down at the latest
 MAX_OFF_M = 0.020  # of the placed object from its goal
 MAX_MOVED_M = 0.015  # of other objects
-SPOT_VIEW_DISTANCES_M = (0.32, 0.38, 0.26)
+SPOT_VIEW_DISTANCES_M = (0.32, 0.38, 0.26, 0.46, 0.54)  # the far ones over the rim of a deep box
 VIEW_SPARE = 1.05  # of a view's width over the foot in it
 MAX_SPOTS = 8  # that are looked at
 
@@ -217,8 +216,7 @@ class PlaceObject(ActionPrimitive):
             held: the object in the hand.
             goals: (4, 4) base_T_object of the poses.
         """
-        for room in rooms(robot, model):
-            around = surroundings(robot, model, room=room)
+        for around in surroundings_to_try(robot, model):
             plan = yield from robot.compute(plan_placing, robot, kind, held.hand_T_object, goals, around)
             if plan is not None:
                 return plan
@@ -252,11 +250,12 @@ class PlaceObject(ActionPrimitive):
         """Look at a spot past the held object; return whether it looks plain, as the surface does."""
         towards = list(directions((), None, "any"))
         distances = _showing_all(robot, kind)
-        if not (yield from look_from(robot, model, base_T_goal[:3, 3], towards, distances)):
+        corners, middle = _foot(kind, base_T_goal), base_T_goal[:3, 3]
+        if not (yield from look_from(robot, model, middle, towards, distances, shown=corners)):
             raise Discrepancy(f"no view of {self.surface} is free", cause=causes.NO_ARM_PATH)
         yield from settle(robot)
         yield
-        photo, corners = robot.photo(), _foot(kind, base_T_goal)
+        photo = robot.photo()
         share = edge_share(photo.pixels, photo.camera, photo.base_T_camera, corners)
         outline = photo.camera.project(apply(inverse(photo.base_T_camera), corners))
         self.evidence.pictures["spot"] = draw_overlay(photo.pixels, outlines=[outline])

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from handcart.backends.description.printed_tag import Face, PrintedTag
 from handcart.files.models.model import FileModel
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box, Cylinder, Solid
 
@@ -60,6 +61,17 @@ class ObjectKind(FileModel):
     def foot_radius(self) -> float:
         """Radius of the smallest circle around the footprint of an upright object, in [m]."""
         return self.size[0] / 2 if self.is_round else math.hypot(*self.size[:2]) / 2
+
+    def foot_distance(self, point: Pose2) -> float:
+        """Return the distance from an upright object's footprint to a point, in [m]; 0 inside.
+
+        Args:
+            point: the point, in the object's frame.
+        """
+        if self.is_round:
+            return max(0.0, math.hypot(point.x, point.y) - self.size[0] / 2)
+        beyond = (max(0.0, abs(point.x) - self.size[0] / 2), max(0.0, abs(point.y) - self.size[1] / 2))
+        return math.hypot(*beyond)
 
     def body(self, name: str) -> Solid:
         """Return the shape of an object of this kind, posed in the object's frame and named `name`."""

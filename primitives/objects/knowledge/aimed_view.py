@@ -23,7 +23,9 @@ SHIFTS_M = ((0.0, 0.0, -0.12), (0.0, 0.2, 0.0), (0.0, -0.2, 0.0), (0.0, 0.2, -0.
 IK_RESTARTS = 2
 VERTICAL_COSINE = 0.99  # of the angle between a joint's axis and the vertical
 SIGHT_WIDTH_M = 0.10  # around the line from the camera to the point
+CORNER_SIGHT_WIDTH_M = 0.01  # likewise to one of several points that a camera on the hand has to show
 NEAR_CAMERA_M = 0.15  # that may be the head's own bodies
+NEAR_HAND_CAMERA_M = 0.06  # that may be the camera's own body
 NEAR_POINT_M = 0.02  # over the point, where sight may touch what is looked at
 SIGHT_LINK = "sight"
 
@@ -119,8 +121,28 @@ def _along(base_T_camera: Transform, point: FloatArray, towards: Sequence[FloatA
     return float(towards[0] @ back / np.linalg.norm(back)) if towards else 0.0
 
 
+def are_shown(
+    collision: CollisionModel, joints: FloatArray, base_T_camera: Transform, points: FloatArray
+) -> bool:
+    """Return whether neither the hand nor the object in it hides points from a camera on the hand.
+
+    Args:
+        collision: the arm with the object.
+        joints: (n,) in [rad] or [m].
+        base_T_camera: (4, 4) of the camera at these joints.
+        points: (m, 3) in the base frame, in [m].
+    """
+    seen_by = (collision, joints, base_T_camera)
+    return not any(_is_hidden(*seen_by, point, CORNER_SIGHT_WIDTH_M, NEAR_HAND_CAMERA_M) for point in points)
+
+
 def _is_hidden(
-    collision: CollisionModel, joints: FloatArray, base_T_camera: Transform, point: FloatArray
+    collision: CollisionModel,
+    joints: FloatArray,
+    base_T_camera: Transform,
+    point: FloatArray,
+    width: float = SIGHT_WIDTH_M,
+    nearest: float = NEAR_CAMERA_M,
 ) -> bool:
     """Return whether the arm, or the object in its hand, is between the camera and a point.
 
@@ -129,10 +151,12 @@ def _is_hidden(
         joints: (n,) in [rad] or [m].
         base_T_camera: (4, 4) of the camera at these joints.
         point: (3,) in the base frame, in [m].
+        width: width of the line of sight, in [m].
+        nearest: distance from the camera at which sight begins, in [m].
     """
     line = point - base_T_camera[:3, 3]
     length = float(np.linalg.norm(line))
-    near, far = min(NEAR_CAMERA_M, length / 3), NEAR_POINT_M
+    near, far = min(nearest, length / 3), NEAR_POINT_M
     pose = np.eye(4)
     pose[:3, :3] = base_T_camera[:3, :3]
     pose[:3, 2] = line / length
@@ -140,5 +164,5 @@ def _is_hidden(
     pose[:3, 0] /= np.linalg.norm(pose[:3, 0])
     pose[:3, 1] = np.cross(pose[:3, 2], pose[:3, 0])
     pose[:3, 3] = base_T_camera[:3, 3] + line / length * (near + length - far) / 2
-    sight = Box(pose, (SIGHT_WIDTH_M, SIGHT_WIDTH_M, length - near - far), SIGHT_LINK)
+    sight = Box(pose, (width, width, length - near - far), SIGHT_LINK)
     return collision.touches(joints, sight)

@@ -19,7 +19,10 @@ from handcart.primitives.objects.files.object_findings import gripper_findings
 from handcart.primitives.objects.files.objects_file import ObjectsFile
 from handcart.primitives.objects.files.surface import ObjectSurface
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.maps.map_boxes import boxes_near
 from handcart.robotics.navigation.maps.movable_areas import MovableArea
 from handcart.robotics.navigation.maps.moved_things import MovedThing
 
@@ -30,10 +33,13 @@ if TYPE_CHECKING:
     from handcart.backends.description.robot_file import RobotFile
     from handcart.backends.robot.robot import Robot
     from handcart.files.errors import Finding
-    from handcart.robotics.navigation.maps.grid_map import GridMap
 
 FOOT_OFF_M = 0.02  # that a foot may be off where it was seen, or is to be put
 LEVEL_M = 0.002  # between the heights of surfaces that one object stands on
+WALL_NAME = "what the map shows"
+WALL_REACH_M = 1.4  # from the base, within which an arm may touch what is on the map
+WALL_HEIGHT_M = 2.4
+EDGE_CELLS = 1.5  # of the map, around a surface, that its own edge is drawn in
 NOTHING_KNOWN = ObjectsFile(format="handcart-objects/1", kinds={}, surfaces={})
 
 
@@ -87,6 +93,8 @@ class Objects(Section):
     """Detectors of other packages, by name."""
     stands: Mapping[str, Place] = field(default_factory=dict, repr=False, compare=False)
     """Computed places of the base, by surface."""
+    shown: GridMap | None = field(default=None, repr=False, compare=False)
+    """The map, for what is on it beside the surfaces."""
 
     @override
     @classmethod
@@ -115,6 +123,7 @@ class Objects(Section):
     def fit(self, robot: RobotFile, grid: GridMap, places: Mapping[str, Place]) -> Iterator[Finding]:
         if self.listed is None:
             return
+        self.shown = grid
         found: dict[str, Place] = {}
         for name, surface in self.objects.surfaces.items():
             if surface.place is not None:
@@ -222,6 +231,30 @@ class Objects(Section):
         surface = self.objects.surfaces[name]
         measured = next((pose.pose for pose in self.surface_poses if pose.surface == name), None)
         return surface if measured is None else surface.moved_to(measured)
+
+    def walls_near(self, point: Pose2) -> list[Box]:
+        """Return bodies of what the map shows around a point beside the surfaces, posed on the map.
+
+        The map doesn't show how high it is: the bodies are higher than an arm reaches.
+        """
+        if self.shown is None:
+            return []
+        hidden = [
+            outline
+            for name, surface in self.objects.surfaces.items()
+            if surface.height_m > 0.0 or surface.walls  # an area of the floor hides nothing
+            for outline in (surface.outline, self.surface(name).outline)
+        ]
+        margin = EDGE_CELLS * self.shown.resolution
+        found = boxes_near(self.shown, (point.x, point.y), WALL_REACH_M, hidden, margin)
+        return [
+            Box(
+                transform((box.x, box.y, WALL_HEIGHT_M / 2)),
+                (box.length, box.width, WALL_HEIGHT_M),
+                WALL_NAME,
+            )
+            for box in found
+        ]
 
     def touched_names(self, name: str, x: float, y: float, radius: float) -> tuple[str, ...]:
         """Return the names by which contacts are reported for all surfaces that an object on a surface

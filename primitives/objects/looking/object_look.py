@@ -22,9 +22,8 @@ from handcart.primitives.objects.site.object_site import (
     held_shape,
     kind_of,
     surface_of,
-    surroundings,
 )
-from handcart.primitives.objects.site.roomy_motion import move_with_room, rooms
+from handcart.primitives.objects.site.roomy_motion import move_with_room, surroundings_to_try
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.outcomes.evidence import Evidence
@@ -150,7 +149,7 @@ def look_closely(
     heading = math.atan2(base_T_object[1, 0], base_T_object[0, 0])
     towards = list(directions(file.tags_of(name), heading, wanted))
     distances = CLOSE_DISTANCES_M if file.tags_of(name) else DEPTH_DISTANCES_M
-    if not (yield from look_from(robot, model, top, towards, distances, (body,))):
+    if not (yield from look_from(robot, model, top, towards, distances, (body,), without=name)):
         raise Discrepancy(f"no view of {name} is free", cause=causes.NO_ARM_PATH)
     yield from look.picture(robot, model, evidence, name)
 
@@ -162,6 +161,8 @@ def look_from(
     towards: Sequence[FloatArray],
     distances: Sequence[float],
     also_around: Sequence[Solid] = (),
+    shown: FloatArray | None = None,
+    without: str = "",
 ) -> Generator[None, None, bool]:
     """Move the camera to a view of a point in the base frame; return False if no view is free.
 
@@ -172,14 +173,16 @@ def look_from(
         towards: unit vectors (3,) from the point to the camera, the best ones first.
         distances: from the camera to the point, in [m], the best ones first.
         also_around: further bodies that the arm must not touch, in the base frame.
+        shown: (m, 3) points in the base frame, in [m], that hand and held object should not hide.
+        without: name of an object that is left out of the surroundings: its body is among `also_around`.
     """
     held = held_shape(model)
-    for room in rooms(robot, model):
-        around = (*surroundings(robot, model, room=room), *also_around)
+    for bodies in surroundings_to_try(robot, model, without):
+        around = (*bodies, *also_around)
         collision = collision_model(robot, held, around)
-        found = yield from robot.compute(view_joints, robot, collision, point, towards, distances)
+        found = yield from robot.compute(view_joints, robot, collision, point, towards, distances, shown)
         if found is not None:
-            yield from move_with_room(robot, model, found[0], held, tuple(also_around))
+            yield from move_with_room(robot, model, found[0], held, tuple(also_around), without)
             return True
     return False
 

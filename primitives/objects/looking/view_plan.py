@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import product
 from typing import Literal
 
 import numpy as np
@@ -12,7 +13,7 @@ from handcart.backends.description.printed_tag import FACE_TURNS, PrintedTag
 from handcart.backends.robot.mounted_camera import HAND_LINK
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.objects.files.surface import ObjectSurface
-from handcart.primitives.objects.knowledge.aimed_view import aimed_joints
+from handcart.primitives.objects.knowledge.aimed_view import aimed_joints, are_shown
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.manipulation.grasping.camera_poses import camera_poses, from_direction
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
@@ -90,6 +91,7 @@ def view_joints(
     point: FloatArray,
     towards: Sequence[FloatArray],
     distances: Sequence[float],
+    shown: FloatArray | None = None,
 ) -> tuple[FloatArray, Transform] | None:
     """Return joints (n,), in [rad] or [m], from which the camera looks at a point, and the camera's pose
     base_T_camera (4, 4).
@@ -103,15 +105,19 @@ def view_joints(
         towards: unit vectors (3,) from the point to the camera, the best ones first.
         distances: from the camera to the point, in [m], the best ones first; not used for a camera that
             is not on the hand.
+        shown: (m, 3) points in the base frame, in [m], that hand and held object should not hide from a
+            camera on the hand; views that show all of them come first (default: none).
     """
     if robot.view_camera.carrier != HAND_LINK:
         return aimed_joints(robot, collision, point, towards)
     camera_T_hand = inverse(robot.camera.hand_T_camera)
-    here = robot.arm.command()
-    for distance in distances:
-        for direction in towards:
-            for pose in camera_poses(point, direction, distance):
-                joints = robot.arm_model.inverse(pose @ camera_T_hand, here, restarts=IK_RESTARTS)
-                if joints is not None and not collision.in_collision(joints):
-                    return joints, pose
-    return None
+    here, partly = robot.arm.command(), None
+    for distance, direction in product(distances, towards):
+        for pose in camera_poses(point, direction, distance):
+            joints = robot.arm_model.inverse(pose @ camera_T_hand, here, restarts=IK_RESTARTS)
+            if joints is None or collision.in_collision(joints):
+                continue
+            if shown is None or are_shown(collision, joints, pose, shown):
+                return joints, pose
+            partly = partly or (joints, pose)
+    return partly

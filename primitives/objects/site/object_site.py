@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 from handcart.backends.robot.robot import Robot
@@ -13,6 +12,7 @@ from handcart.primitives.objects.knowledge.object_names import name_in_world
 from handcart.primitives.objects.knowledge.objects import Objects
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box, Cylinder, Solid
 from handcart.robotics.manipulation.motions.collision_model import HELD_NAME
@@ -28,7 +28,9 @@ def base_T_map(robot: Robot) -> Transform:
     return robot.pose.inverse().lift()
 
 
-def surroundings(robot: Robot, model: ModelView, without: str = "", room: float = 0.0) -> tuple[Solid, ...]:
+def surroundings(
+    robot: Robot, model: ModelView, without: str = "", room: float = 0.0, believed: bool = True
+) -> tuple[Solid, ...]:
     """Return the surfaces, all known objects but one, and the robot's own tray, posed in the base frame.
 
     Around an object that was not seen yet, the uncertainty of its believed place is included.
@@ -38,6 +40,7 @@ def surroundings(robot: Robot, model: ModelView, without: str = "", room: float 
         model: knows surfaces and objects.
         without: name of the object that is left out.
         room: distance by which the inner and outer faces of the surfaces' walls are moved outwards, in [m].
+        believed: True to include objects that were not seen yet.
     """
     objects, to_base = model.of(Objects), base_T_map(robot)
     boxes: list[Solid] = [
@@ -48,16 +51,16 @@ def surroundings(robot: Robot, model: ModelView, without: str = "", room: float 
             kind, surface = objects.objects.kind_of(seen.object), objects.surface(seen.surface)
             body = kind.body(name_in_world(seen.object))
             boxes.append(body.seen_from(seen.pose.lift(surface.height_m)))
-    boxes += _believed(objects, without)
+    boxes += _believed(objects, without) if believed else ()
     around = tuple(box.seen_from(to_base) for box in boxes)
     return (*around, _own_tray(robot)) if robot.spec.has_tray else around
 
 
-def _believed(objects: Objects, without: str) -> Iterator[Solid]:
+def _believed(objects: Objects, without: str) -> Iterator[Cylinder]:
     """Yield cylinders around the believed places of objects that were not seen, on the map.
 
-    A cylinder that would reach to the object `without` is left out, because a close look has shown the
-    neighbours of that object.
+    A cylinder ends before what a close look at the object `without` has shown: no other object is there. One
+    that would begin there is left out.
     """
     held = "" if objects.held_object is None else objects.held_object.object
     target = objects.seen(without)
@@ -68,8 +71,9 @@ def _believed(objects: Objects, without: str) -> Iterator[Solid]:
         x, y, kind, surface = believed.x, believed.y, objects.objects.kind_of(name), objects.surface(known.on)
         reach = kind.foot_radius + min(BELIEF_SIGMAS * known.sigma_mm / 1e3, MAX_BELIEF_M)
         if target is not None:
-            beside = objects.objects.kind_of(without).foot_radius + CLOSE_VIEW_M
-            if math.hypot(target.pose.x - x, target.pose.y - y) < reach + beside:
+            gap = objects.objects.kind_of(without).foot_distance(Pose2(x, y, 0.0).relative_to(target.pose))
+            reach = min(reach, gap - CLOSE_VIEW_M)
+            if reach <= 0.0:
                 continue
         foot = transform((x, y, surface.height_m + kind.size[2] / 2))
         yield Cylinder(foot, reach, kind.size[2], name_in_world(name))

@@ -16,7 +16,7 @@ from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.kinematics.shapes import Solid
 from handcart.robotics.numerics.arrays import FloatArray
 
-from .object_site import surroundings
+from .object_site import base_T_map, surroundings
 
 POSE_SIGMAS = 2.0  # of the base's pose, that is kept away from walls
 WALL_DISTANCE_M = 0.8  # from the base to a wall at which its heading counts
@@ -38,12 +38,30 @@ def rooms(robot: Robot, model: ModelView) -> tuple[float, ...]:
     return (min(MAX_ROOM_M, POSE_SIGMAS * math.hypot(place, turn)), 0.0)
 
 
+def surroundings_to_try(robot: Robot, model: ModelView, without: str = "") -> list[tuple[Solid, ...]]:
+    """Return the surroundings of the robot, those first that keep the arm farthest from walls.
+
+    In the first ones, what the map shows beside the surfaces is a wall of any height, because the map doesn't
+    show how high it is. The last ones are `surroundings` without any room.
+
+    Args:
+        robot: robot at the surfaces.
+        model: knows surfaces and objects.
+        without: name of an object that is left out.
+    """
+    to_base = base_T_map(robot)
+    walls = tuple(box.seen_from(to_base) for box in model.of(Objects).walls_near(robot.pose))
+    known = [surroundings(robot, model, without, room) for room in rooms(robot, model)]
+    return [*[(*bodies, *walls) for bodies in known if walls], *known]
+
+
 def move_with_room(
     robot: Robot,
     model: ModelView,
     joints: FloatArray,
     held: Solid | None = None,
     also_around: tuple[Solid, ...] = (),
+    without: str = "",
 ) -> Periods:
     """Move to joints (n,), in [rad] or [m], at a distance from walls if both ends and a path allow it.
 
@@ -53,19 +71,22 @@ def move_with_room(
         joints: goal.
         held: held object, posed in the hand frame.
         also_around: further bodies to keep clear of, in the base frame.
+        without: name of an object that is left out of the surroundings.
 
     Raises:
         Discrepancy: no free path was found, not even without the additional distance.
     """
     here = robot.arm.command()
-    for room in rooms(robot, model):
-        around = (*surroundings(robot, model, room=room), *also_around)
+    *roomy, last = surroundings_to_try(robot, model, without)
+    for bodies in roomy:
+        around = (*bodies, *also_around)
         collision = collision_model(robot, held, around)
-        if room > 0.0 and (collision.in_collision(here) or collision.in_collision(joints)):
+        if collision.in_collision(here) or collision.in_collision(joints):
             continue
         try:
             yield from move_to_joints(robot, joints, held, around)
             return
         except Discrepancy as no_way:
-            if room == 0.0 or no_way.cause is not causes.NO_ARM_PATH:
+            if no_way.cause is not causes.NO_ARM_PATH:
                 raise
+    yield from move_to_joints(robot, joints, held, (*last, *also_around))

@@ -9,12 +9,18 @@ import pytest
 
 from handcart.evaluation.trials.rig import Rig
 from handcart.primitives.objects.files.objects_file import ObjectsFile
-from handcart.primitives.objects.knowledge.objects import Objects
+from handcart.primitives.objects.knowledge.objects import WALL_NAME, Objects
 from handcart.primitives.objects.look_for import LookFor
-from handcart.primitives.objects.site.roomy_motion import MAX_ROOM_M, move_with_room, rooms
+from handcart.primitives.objects.site.roomy_motion import (
+    MAX_ROOM_M,
+    move_with_room,
+    rooms,
+    surroundings_to_try,
+)
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.cause_kind import CauseKind
 from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.robotics.kinematics.shapes import bottom, top
 
 from ..fetching import changed, rig_with
 
@@ -45,7 +51,28 @@ def test_without_walls_no_room_is_kept() -> None:
     assert rooms(plain.robot, view_of(plain)) == (0.0,)
 
 
-@pytest.mark.parametrize(("cause", "tries"), [(causes.NO_ARM_PATH, 2), (causes.ARM_BLOCKED, 1)])
+def test_map_is_a_wall_in_what_is_tried_first(rig: Rig) -> None:
+    """The robot is 1.0 m from two walls of the room; the map doesn't show how high they are."""
+    tried = surroundings_to_try(rig.robot, view_of(rig))
+    assert [any(body.name == WALL_NAME for body in bodies) for bodies in tried] == [True, True, False, False]
+    map_T_base = rig.robot.pose.lift()
+    walls = [body.seen_from(map_T_base) for body in tried[0] if body.name == WALL_NAME]
+    assert all(top(body) > 2.0 and bottom(body) < 0.01 for body in walls)
+    grid = rig.model.map
+    shown = grid.to_point(np.argwhere(grid.occupied))
+    near = shown[np.abs(shown - rig.robot.pose[:2]).max(axis=1) < 1.3]
+    for cell in near:
+        assert any((np.abs(body.pose[:2, 3] - cell) <= 0.5 * np.array(body.size[:2])).all() for body in walls)  # type: ignore[union-attr]
+
+
+def test_table_of_the_file_is_no_wall(rig: Rig) -> None:
+    table = rig.model.of(Objects).objects.surfaces["table_a"]
+    walls = rig.model.of(Objects).walls_near(table.floor)
+    assert len(walls) == 1
+    assert table.margin(*walls[0].pose[:2, 3]) < -0.1
+
+
+@pytest.mark.parametrize(("cause", "tries"), [(causes.NO_ARM_PATH, 4), (causes.ARM_BLOCKED, 1)])
 def test_less_room_is_tried_where_no_path_has_it(
     rig: Rig, monkeypatch: pytest.MonkeyPatch, cause: CauseKind, tries: int
 ) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +11,10 @@ import pytest
 from handcart.evaluation.trials.rig import Rig
 from handcart.primitives.objects.knowledge.objects import HeldObject, Objects, ObjectSighting
 from handcart.primitives.objects.look_for import LookFor
+from handcart.primitives.objects.looking.object_look import ObjectLook, look_closely
 from handcart.primitives.objects.site.object_site import base_T_map, surroundings
+from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.primitives.outcomes.evidence import Evidence
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import inverse, transform
 from handcart.robotics.kinematics.shapes import Box, Cylinder, Solid
@@ -66,9 +70,38 @@ def test_held_object_is_at_its_believed_place_no_more() -> None:
     assert "object parcel_1" not in kept_clear(rig)
 
 
-@pytest.mark.parametrize(("x", "is_kept"), [(1.9, True), (2.2, False)])
-def test_belief_does_not_reach_to_what_was_seen_closely(x: float, is_kept: bool) -> None:
-    """A neighbour that close would have been seen with it."""
+@pytest.mark.parametrize(("x", "radius"), [(1.9, 0.1341), (2.13, 0.09), (2.23, None)])
+def test_belief_does_not_reach_to_what_was_seen_closely(x: float, radius: float | None) -> None:
+    """A neighbour within 50 mm would have been seen with it; one beyond is still somewhere."""
     rig = rig_with()
     note_seen(rig, "parcel_1", x, 3.7)
-    assert ("object parcel_2" in kept_clear(rig, without="parcel_1")) is is_kept
+    kept = kept_clear(rig, without="parcel_1").get("object parcel_2")
+    assert (None if kept is None else kept.radius) == pytest.approx(radius, abs=1e-4)  # type: ignore[union-attr]
+
+
+def test_unseen_objects_are_left_out_where_asked() -> None:
+    rig = rig_with()
+    view = rig.model.view(LookFor(object="parcel_1"))  # type: ignore[arg-type]
+    names = {body.name for body in surroundings(rig.robot, view, believed=False)}
+    assert "table_a" in names
+    assert "object parcel_2" not in names
+
+
+def test_object_looked_at_is_only_where_it_is_expected(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A released object is neither held nor seen; it isn't at its believed place either."""
+
+    def at_once(_: object, function: Any, *arguments: Any) -> Any:
+        return function(*arguments)
+        yield
+
+    rig, around = rig_with(), []
+    monkeypatch.setattr(type(rig.robot), "compute", at_once)
+    looking = "handcart.primitives.objects.looking.object_look"
+    monkeypatch.setattr(f"{looking}.collision_model", lambda robot, held, bodies: around.append(bodies))
+    monkeypatch.setattr(f"{looking}.view_joints", lambda *_: None)
+    view, goal = rig.model.view(LookFor(object="parcel_1")), transform((0.9, 0.0, 0.6))  # type: ignore[arg-type]
+    with pytest.raises(Discrepancy, match="no view of parcel_1 is free"):
+        list(look_closely(rig.robot, view, "parcel_1", goal, ObjectLook(), Evidence()))
+    own = [[body for body in bodies if body.name == "object parcel_1"] for bodies in around]
+    assert own
+    assert all(isinstance(body, Box) for bodies in own for body in bodies)

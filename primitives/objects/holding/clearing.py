@@ -1,0 +1,60 @@
+"""Lifting a held object out from between others that were not seen."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handcart.backends.robot.robot import Robot
+from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.motions.arm_motion import collision_model, follow
+from handcart.primitives.objects.site.object_site import surroundings
+from handcart.robotics.kinematics.shapes import Solid
+from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.manipulation.motions.motion_planner import plan_straight
+from handcart.robotics.numerics.arrays import FloatArray
+
+RISE_STEP_M = 0.02
+MAX_RISE_M = 0.36  # over the height of what stands beside an object
+
+
+def lift_clear(robot: Robot, model: ModelView, held: Solid) -> Periods:
+    """Lift the held object straight up until it is clear of where unseen objects are believed.
+
+    Its neighbours were beside it before and are not above it. Nothing moves if it is clear already, or if
+    the arm can't lift it that far.
+
+    Args:
+        robot: its hand holds an object that was lifted off its surface.
+        model: knows surfaces and objects.
+        held: the object, posed in the hand frame.
+    """
+    every = collision_model(robot, held, surroundings(robot, model))
+    here = robot.arm.command()
+    if not every.in_collision(here):
+        return
+    sure = collision_model(robot, held, surroundings(robot, model, believed=False))
+    path = yield from robot.compute(path_up, every, sure, here)
+    if path is not None:
+        yield from follow(robot, path)
+
+
+def path_up(every: CollisionModel, sure: CollisionModel, here: FloatArray) -> FloatArray | None:
+    """Return a straight path (m, n) up to where nothing is near, in [rad] or [m]; None if none is found.
+
+    Args:
+        every: all bodies to keep clear of at the end.
+        sure: bodies to keep clear of on the path.
+        here: (n,) joints at the start, in [rad] or [m].
+    """
+    goal = sure.arm.forward(here)
+    lines = [here[np.newaxis]]
+    for _ in range(round(MAX_RISE_M / RISE_STEP_M)):
+        goal[2, 3] += RISE_STEP_M
+        line = plan_straight(sure.arm, lines[-1][-1], goal, collision=sure)
+        if line is None:
+            return None
+        lines.append(line[1:])
+        if not every.in_collision(line[-1]):
+            return np.vstack(lines)
+    return None

@@ -1,0 +1,55 @@
+"""Views of a spot past the object in the hand."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from handcart.backends.loading.robot_loading import load_robot
+from handcart.backends.robot.mounted_camera import HAND_LINK
+from handcart.primitives.objects.knowledge.aimed_view import are_shown
+from handcart.primitives.objects.looking.view_plan import view_joints
+from handcart.robotics.geometry.transform import transform
+from handcart.robotics.kinematics.shapes import Box
+from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+
+SPOT = np.array([0.5, 0.0, 0.5])
+SIDES = np.array([[1, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0]])
+FOOT = SPOT + SIDES * (0.095, 0.035, 0.0)
+BOOK = Box(transform((0.12, 0.0, 0.0), (0.0, -np.pi / 2, 0.0)), (0.152, 0.03, 0.2), "held")
+TURNS = np.linspace(0.0, 2.0 * np.pi, 24)
+UP = np.array([0.0, 0.0, 1.0])
+
+
+@pytest.fixture(scope="module")
+def robot() -> Any:
+    spec = load_robot("librarian")
+    along = np.eye(4)
+    along[:3, :3] = [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]
+    home = np.array(spec.posture("search_ready"))
+    return SimpleNamespace(
+        view_camera=SimpleNamespace(carrier=HAND_LINK),
+        camera=SimpleNamespace(hand_T_camera=transform((0.0, 0.0, 0.11)) @ along),
+        arm=SimpleNamespace(command=lambda: home),
+        arm_model=spec.arm_model(),
+    )
+
+
+def test_view_past_the_held_object_comes_first(robot: Any) -> None:
+    collision = CollisionModel(robot.arm_model, held=BOOK)
+    nearest = view_joints(robot, collision, SPOT, [UP], (0.3,))
+    shown = view_joints(robot, collision, SPOT, [UP], (0.3,), FOOT)
+    assert nearest is not None and shown is not None
+    assert not are_shown(collision, *nearest, FOOT)
+    assert are_shown(collision, *shown, FOOT)
+
+
+def test_view_of_a_part_is_better_than_none(robot: Any) -> None:
+    collision = CollisionModel(robot.arm_model, held=BOOK)
+    ring = SPOT + np.column_stack([0.12 * np.cos(TURNS), 0.12 * np.sin(TURNS), 0.0 * TURNS])
+    part = view_joints(robot, collision, SPOT, [UP], (0.3,), ring)
+    assert part is not None
+    assert not are_shown(collision, *part, ring)
