@@ -101,13 +101,19 @@ class ScriptedOperator(BenchOperator):
         self._answers = answers
 
     def confirm(self, key: str, question: str) -> bool:
-        """Return the file's answer to a question with yes or no; raises `UnansweredQuestion` if it has
-        none.
+        """Return the answer that the file of answers has for a question with yes or no.
+
+        Raises:
+            UnansweredQuestion: the file has no such answer for this key.
         """
         return bool(self._answer(key, question, bool))
 
     def number(self, key: str, question: str, truth: Callable[[], float]) -> float:
-        """Return the file's number as answer to a question; raises `UnansweredQuestion` if it has none."""
+        """Return the number that the file of answers has for a question; `truth` is not used.
+
+        Raises:
+            UnansweredQuestion: the file has no number for this key.
+        """
         return float(self._answer(key, question, (int, float)))
 
     def _answer(self, key: str, question: str, kind: Any) -> Any:

@@ -147,7 +147,7 @@ class Aftermath:
 
         Args:
             action: the action.
-            fails: Fails before it, as in a state of its source.
+            fails: Fails before the action, by counter (`Action.counter`), as in `State.fails`.
             committed: the actions that follow if it leads to its target.
             hopes: True if the plan needed the action's Fail: then its Success uses up an attempt.
 
@@ -168,11 +168,11 @@ class Aftermath:
         return (first, *others)
 
     def fail(self, action: Action, fails: Fails, for_good: bool = False) -> State:
-        """Return the state after a Fail whose cause has no situation of its own.
+        """Return the state after a Fail of a cause that is not in `action.fail_endings`.
 
         Args:
             action: the action.
-            fails: Fails before it, as in a state of its source.
+            fails: Fails before the action, by counter (`Action.counter`), as in `State.fails`.
             for_good: True for a Fail that uses up all attempts at once.
         """
         allowed, count = action.allowance, _count(fails, action.counter)
@@ -180,11 +180,11 @@ class Aftermath:
         return self._after(action, action.on_fail or action.source, _counted(fails, action.counter, after))
 
     def fails(self, action: Action, fails: Fails, happens: bool = True) -> list[State | None]:
-        """Return the states after a Fail, first the one for all causes without their own situation.
+        """Return the states after a Fail: for causes not in `action.fail_endings`, then for each that is.
 
         Args:
             action: the action.
-            fails: Fails before it, as in a state of its source.
+            fails: Fails before the action, by counter (`Action.counter`), as in `State.fails`.
             happens: False if the action never fails: all states are then None.
         """
         if not happens:

@@ -88,7 +88,7 @@ class ComponentSearch:
         self._decisions: _Decisions | None = None
 
     def bounds(self, state: State) -> tuple[float, float] | None:
-        """Return the bounds of a state, in [s]; None if it was never met."""
+        """Return the lower and upper bound of a state's cost, in [s]; None if the state was never met."""
         number = self._table.number(self._rows.key(state))
         return None if number is None else (float(self._table.low[number]), float(self._table.high[number]))
 

@@ -113,7 +113,7 @@ class ByModel(FixOnce):
 
 
 class ByImu(FixOnce):
-    """Correction by turn and tilt as the inertial sensors measure them while the block is over its goal."""
+    """Correction for the base's turn and tilt, measured by its IMU while the block is held over its goal."""
 
     needs_imu: ClassVar = True
 

@@ -122,10 +122,10 @@ class Deploy(TreePrimitive):
         arm.check_near(place, REACH_SIGMAS * self._sigma(robot, target))
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
-        """Return the behaviour tree, whose steps follow each other.
+        """Return the behaviour tree that lays a sensor on the target, one step after another.
 
-        The last step lifts only the fingers if the next drive brings the arm back, and moves the arm to its
-        posture `home` otherwise.
+        The last step moves the arm to its posture `home`; if the next action is a drive that does so itself,
+        it only lifts the fingers off the sensor.
         """
         steps: dict[str, Step] = {
             "stand until the target is known well enough": lambda: self._be_sure(robot, model),

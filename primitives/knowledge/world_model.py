@@ -71,7 +71,8 @@ SectionT = TypeVar("SectionT", bound=Section)
 class WorldModel:
     """Knowledge of the robot: map, places, obstacles, and a section for each domain.
 
-    Knowledge about an element of a repeat is cleared by `clear_element`.
+    A task may repeat its actions for each element of a list, such as each object to fetch; `clear_element`
+    clears the knowledge about the present one.
     """
 
     map: GridMap

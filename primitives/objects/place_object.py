@@ -150,7 +150,7 @@ class PlaceObject(ActionPrimitive):
         yield
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
-        """Return the intended contacts of the hand with the object, and of the object with its surface."""
+        """Return the allowed contacts: of the hand with the object, and of the object with its surface."""
         held = model.of(Objects).held_object or self._before
         if held is None:
             return ()

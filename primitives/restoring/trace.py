@@ -37,7 +37,7 @@ GRIP_WEIGHT = 100.0  # of the fingers' opening: a motion of theirs is never skip
 
 
 class Trace:
-    """Record of a motion, one moment in each period, oldest first."""
+    """Record of a motion of the robot, one `Moment` (base, arm and fingers) in each period, oldest first."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot

@@ -48,7 +48,7 @@ class GrowingModel:
         return data
 
     def displaced(self) -> None:
-        """Mark all poses as outdated after a change of coordinates; the next call of `links` updates them."""
+        """Mark all bodies' poses as outdated after a joint was set; the next call of `links` updates them."""
         self._stale = True
 
     def forget(self) -> None:

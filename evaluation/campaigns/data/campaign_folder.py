@@ -98,10 +98,12 @@ class CampaignFolder:
 
     @classmethod
     def read_runs(cls, folder: Path) -> CampaignFolder:
-        """Open an existing campaign folder whose trials are runs or walks, not populations.
+        """Open the folder of a campaign that runs its task, not of one that estimates a rare outcome.
+
+        The task may be run in simulation, or only by its network's probabilities (a walk).
 
         Raises:
-            NoCampaign: the folder holds no campaign of runs or walks.
+            NoCampaign: the folder holds no campaign, or one that estimates a rare outcome.
         """
         found = cls.read(folder)
         if found.arguments.get("rare"):

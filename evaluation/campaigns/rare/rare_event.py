@@ -23,7 +23,10 @@ class NoRareEvent(InputError):
 
 @dataclass(frozen=True)
 class RareEvent:
-    """Rare outcome of a run whose probability is estimated, and the settings of the splitting."""
+    """Rare outcome of a run, and settings of the estimate of its probability by multilevel splitting.
+
+    Multilevel splitting simulates a population of runs and repeatedly copies those nearest to the outcome.
+    """
 
     outcome: RunOutcome
     importance: Importance = "fails"

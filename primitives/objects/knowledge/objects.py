@@ -106,7 +106,7 @@ class Objects(Section):
 
     @override
     def faults(self, robot: RobotFile) -> Iterator[Finding]:
-        """Yield a finding for each kind of objects that is too large for the fingers."""
+        """Yield a finding for each kind of object that is too wide for the opening of the gripper."""
         if self.listed is not None and robot.gripper is not None:
             yield from gripper_findings(self.listed.document, self.objects.kinds, robot.gripper.opening_mm)
 

@@ -63,7 +63,10 @@ class FootprintGuard:
         self._stands = (_Stand(pose, (self._map_room(pose), self._room(scan))),)
 
     def may_stand_at(self, pose: Pose2) -> None:
-        """Allow the robot, at one more pose map_T_base, to be as near to mapped obstacles as that pose is."""
+        """Accept one more pose map_T_base at which the robot may stand however near mapped obstacles are.
+
+        Motions that come no nearer to them than this pose are then allowed.
+        """
         self._stands += (_Stand(pose, (self._map_room(pose), math.inf)),)
 
     def free_motion(

@@ -196,7 +196,7 @@ class Baseline:
 
     @property
     def is_complete(self) -> bool:
-        """True if the wheels have moved so far that the next scan may replace the present one."""
+        """True if the wheels have moved so far that the next scan may replace the kept one, the reference."""
         return self._has_moved(*self._complete)
 
     def _has_moved(self, way: float, turn: float) -> bool:

@@ -27,7 +27,10 @@ class Belief(NamedTuple):
 
 
 class BeliefBranch(NamedTuple):
-    """One of several possible changes of a filter's states just before a reading, with its probability."""
+    """One of the explanations of a sensor's reading that a filter keeps, with its probability.
+
+    Each assumes another change of the filter's states just before the reading, such as slip or none.
+    """
 
     weight: float
     """Probability of the branch, given the readings; all weights add up to one."""

@@ -105,7 +105,7 @@ def plan_route(
     if rounding > 1.0:  # passes over fewer points round longer corners
         roomy = need + LONG_CORNER_ROOM_M / graph.map.resolution
         path = rounded(squares, need, sampled(path, rounding), passes, roomy)
-    smooth = rounded(squares, need, sampled(path, 1.0), passes)
+    smooth = rounded(squares, need, sampled(path, 1.0), passes, 0.0)
     points = _with_ends(ends[0], smooth, ends[1])
     clearance = path_clearance(graph.squares, points) * graph.map.resolution
     if clearance.min() < least:

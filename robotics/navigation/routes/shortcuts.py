@@ -176,9 +176,7 @@ def around_corners(free: BoolArray, squares: BlockedSquares, need: float, way: I
 
 
 @compiled
-def rounded(
-    squares: BlockedSquares, need: float, path: FloatArray, rounds: int, roomy: float = 0.0
-) -> FloatArray:
+def rounded(squares: BlockedSquares, need: float, path: FloatArray, rounds: int, roomy: float) -> FloatArray:
     """Return an evenly sampled path (n, 2) with rounded corners and the same ends, in [cells].
 
     Each sample moves towards the middle of its neighbours, unless the line to one of them would then have

@@ -127,7 +127,7 @@ def match_scan(
     noise = math.hypot(sigma, CELL_SIGMA * field.map.resolution)
     final = 2.5 * noise
     information = _inverse(prior_covariance)
-    grid, near, points = field.map, np.array(prior), np.ascontiguousarray(points)
+    grid, near, points = field.map, np.array(prior, dtype=np.float64), np.ascontiguousarray(points)
     found, evidence = near, ScanEvidence(np.array([1.0, 0.0]), 1.0)
     seen, used = evidence, points
 

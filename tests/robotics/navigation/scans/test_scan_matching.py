@@ -8,7 +8,7 @@ import pytest
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph
-from handcart.robotics.navigation.scans.scan_matching import LikelihoodField, match_scan
+from handcart.robotics.navigation.scans.scan_matching import LikelihoodField, descend_scan, match_scan
 
 from ..conftest import Boxes
 
@@ -203,3 +203,10 @@ def test_start_behind_a_walls_near_side_finds_the_near_side(scan: Callable[..., 
         wrong = shifted(pose, np.array([0.17, 0.15, 0.0]))
         match = match_scan(field, scan(boxes, pose, rng), wrong, np.diag([0.1, 0.1, 0.03]) ** 2)
         assert match.pose.distance(pose) < 0.03
+
+
+def test_a_prior_of_whole_numbers_compiles_nothing_anew(library_field: LikelihoodField) -> None:
+    """A kernel that is compiled for integers, too, is compiled in the control loop."""
+    points = np.random.default_rng(1).uniform(-3, 3, (50, 2))
+    match_scan(library_field, points, Pose2(6, 3, 0), np.eye(3) * 0.01)
+    assert all("int64" not in str(types) for types in descend_scan.dispatcher.signatures)  # type: ignore[attr-defined]
