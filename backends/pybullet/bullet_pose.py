@@ -12,7 +12,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 def placed(pose: Transform) -> tuple[list[float], list[float]]:
-    """Return a pose (4, 4) in Bullet's form: position x, y, z in [m], and unit quaternion x, y, z, w."""
+    """Return a pose (4, 4) in any frame as Bullet's position x, y, z in [m], unit quaternion x, y, z, w."""
     return pose[:3, 3].tolist(), Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
 
 

@@ -88,7 +88,7 @@ class StopReach:
 
         Args:
             base: (3,) map_T_base: x, y in [m], heading in [rad].
-            place: place of the block.
+            place: place of the block, on the map.
             around: surrounding bodies, posed on the map.
             held: True if the hand carries the block and puts it down there.
         """

@@ -212,7 +212,7 @@ class FreeWay:
     def touches_at(self, posture: FloatArray, joint: int, limit: float) -> float | None:
         """Return the position of a joint at which the arm first touches something on its way to a limit.
 
-        It is None if the way is free.
+        It is in [rad] or [m]; None if the way is free.
 
         Args:
             posture: (n,) of all joints, in [rad] or [m].

@@ -24,7 +24,8 @@ def read_spot(world_T_base: Transform, world_T_first: Transform, heading: float,
 
     Args:
         world_T_base: true pose (4, 4) of the base that carries the laser.
-        world_T_first: world_T_base at the reference posture, in which the beam is perpendicular to the wall.
+        world_T_first: (4, 4) world_T_base at the reference posture, in which the beam is perpendicular to the
+            wall.
         heading: heading of the laser's beam in the base frame, in [rad].
         scale: graduation of the ruler, in [m]; 0: exact.
     """

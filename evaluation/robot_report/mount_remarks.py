@@ -90,7 +90,7 @@ def hidden_sector(points: FloatArray) -> tuple[float, float] | None:
     """Return the bearings in [rad] between which a convex outline hides the surroundings.
 
     Args:
-        points: (n, 2) in the sensor frame, whose convex hull is the outline.
+        points: (n, 2) in the sensor frame, in [m], whose convex hull is the outline.
 
     Returns:
         Start and end, counter-clockwise; None if the sensor is inside the outline.

@@ -51,8 +51,8 @@ def sensor_line(kind: str, stamp: int, values: FloatArray) -> bytes:
     Args:
         kind: RANGE or IMU.
         stamp: time of the sensor's clock, in [ms].
-        values: (n,) ranges in [m], or rates in [rad/s] and accelerations in [m/s²]; infinity is sent as an
-            empty field.
+        values: (n,) ranges in [m], first beam first; or (6,) rates about the base's x, y, z in [rad/s], then
+            accelerations along them in [m/s²]; infinity is sent as an empty field.
     """
     fields = ",".join("" if value == math.inf else f"{value:.4f}" for value in values)
     body = f"{kind},{stamp},{fields}".encode()

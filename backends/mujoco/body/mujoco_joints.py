@@ -100,9 +100,9 @@ class MujocoJoints(JointGroup):
         The solver integrates them implicitly, because explicit dampers are unstable without ground contact.
 
         Args:
-            stiffness: stiffness of the springs, which are at rest at 0, in [Nm/rad].
-            damping: (n,) coefficients of the dampers, in [Nms/rad].
-            torques: (n,) constant torques, in [Nm].
+            stiffness: stiffness of the springs, which are at rest at 0, in [Nm/rad] or [N/m].
+            damping: (n,) coefficients of the dampers, in [Nms/rad] or [Ns/m].
+            torques: (n,) constant torques, in [Nm] or [N].
         """
         self._stiff.serve(stiffness, damping, np.full(len(torques), UNBOUND_TORQUE_NM), torques)
         self._stiff.set_out(np.zeros(len(torques)), np.zeros(len(torques)))

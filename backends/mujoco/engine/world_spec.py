@@ -220,12 +220,12 @@ class WorldSpec:
 
 
 def where(pose: Transform) -> dict[str, Any]:
-    """Return a pose (4, 4) as MuJoCo's arguments: `pos` (3,) in [m], and `quat` (4,) w, x, y, z."""
+    """Return a pose (4, 4) in any frame as MuJoCo's `pos` (3,) in [m], and `quat` (4,) w, x, y, z."""
     return {"pos": pose[:3, 3], "quat": quaternion(pose)}
 
 
 def quaternion(pose: Transform) -> FloatArray:
-    """Return the orientation of a pose (4, 4) as a unit quaternion (4,): w, x, y, z."""
+    """Return the orientation of a pose (4, 4) in any frame as a unit quaternion (4,): w, x, y, z."""
     return np.asarray(Rotation.from_matrix(pose[:3, :3]).as_quat()[[3, 0, 1, 2]])
 
 

@@ -85,9 +85,9 @@ class JointGroup(ABC):
         """Apply springs, dampers and torques to the joints until the next command.
 
         Args:
-            stiffness: stiffness of the springs, which are at rest at 0, in [Nm/rad].
-            damping: (n,) coefficients of the dampers, in [Nms/rad].
-            torques: (n,) constant torques, in [Nm].
+            stiffness: stiffness of the springs, which are at rest at 0, in [Nm/rad] or [N/m].
+            damping: (n,) coefficients of the dampers, in [Nms/rad] or [Ns/m].
+            torques: (n,) constant torques, in [Nm] or [N].
         """
         angles, speeds = self.states()
         self.push(torques - stiffness * angles - damping * speeds)

@@ -169,7 +169,7 @@ def sigmas_along(covariance: FloatArray, axes: FloatArray) -> FloatArray:
     """Return the sigmas (k,) of a position along directions, in [m].
 
     Args:
-        covariance: (2, 2) or (3, 3) covariance of the pose, of x and y in [m²] first.
+        covariance: (2, 2) or (3, 3) covariance of the pose on the map, of x and y in [m²] first.
         axes: (2, k) unit vectors on the map in columns.
     """
     variances: FloatArray = np.sum(axes * (covariance[:2, :2] @ axes), axis=0)

@@ -130,8 +130,8 @@ class Localization(ABC):
     def repeatability(self) -> FloatArray:
         """Covariance (3, 3) of the pose relative to another pose estimated at the same place.
 
-        In [m] and [rad], without the map's error, which both poses share. It is never below the sensors'
-        noise, and equals `covariance` along a direction that the sensors do not determine.
+        x, y on the map in [m], heading in [rad], without the map's error, which both poses share. It is never
+        below the sensors' noise, and equals `covariance` along a direction that the sensors do not determine.
         """
         return self.covariance
 
@@ -256,7 +256,7 @@ class Localization(ABC):
         self.set_origin()
 
     def locate(self, pose: Pose2, covariance: FloatArray) -> None:
-        """Go back from a local map to the map, at a pose map_T_base with covariance (3, 3) in [m], [rad]."""
+        """Leave a local map for the map, at map_T_base with covariance (3, 3) of x, y [m], heading [rad]."""
         assert self.map_field is not None
         self.local_map = self.lifted = None
         self._wheels.change_map(self.map_field, pose, covariance)
@@ -265,13 +265,17 @@ class Localization(ABC):
         self.set_origin()
 
     def follow_map(self, field: LikelihoodField, pose: Pose2, covariance: FloatArray) -> None:
-        """Match scans with a new map that was drawn from scans; `pose` and `covariance` are on that map."""
+        """Match scans with a new map that was drawn from scans; `pose` is on that map, as is its covariance
+        (3, 3) of x, y in [m] and heading in [rad].
+        """
         self.map_field = field
         self._wheels.change_map(field, pose, covariance)
         self._wheels.surface_error, self.still = DRAWN_SURFACE_M, 0
 
     def measure_displacement(self, displacement: Pose2, covariance: FloatArray) -> None:
-        """Correct the pose at rest by a measured motion since `set_origin`; scans then only detect pushes."""
+        """Correct the pose at rest by a measured origin_T_base since `set_origin`, with a covariance (3, 3)
+        of x, y in the origin's frame in [m] and heading in [rad]; scans then only detect pushes.
+        """
         self._wheels.odometry.measure_displacement(displacement, covariance)
         self.still = STILL_SCANS + 1
 
@@ -359,11 +363,7 @@ class Localization(ABC):
         return state
 
     def set_state(self, state: object) -> None:
-        """Restore the estimates returned by `state`.
-
-        Raises:
-            NotAState: the data belong to another kind of localization.
-        """
+        """Restore the estimates returned by `state`; raise `NotAState` for another kind of localization."""
         self.crowd = Crowd()
         parts, state = self._parts(), completed(state)
         if not isinstance(state, dict) or state.keys() - {LOCAL_MAP_KEY, LIFTED_KEY} != parts.keys():

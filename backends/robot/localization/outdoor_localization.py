@@ -105,7 +105,7 @@ class OutdoorLocalization(Localization):
         """Covariance (3, 3) of the pose relative to another pose estimated at the same place.
 
         x and y in the world in [m], heading in [rad]. While the heading is unknown, it is the covariance of
-        the motion by wheels and gyros since `set_origin`.
+        the motion by wheels and gyros since `set_origin`, in the base frame at that time.
         """
         return self.covariance if self.heading_known else self._filter.displacement.covariance
 

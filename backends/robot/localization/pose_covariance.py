@@ -15,7 +15,7 @@ def worst_sigmas(covariance: FloatArray) -> tuple[float, float]:
     """Return the sigma of a position along its worst direction in [m], and of the heading in [rad].
 
     Args:
-        covariance: (3, 3) covariance of x, y in [m] and heading in [rad].
+        covariance: (3, 3) covariance of x, y in [m], in any frame, and heading in [rad].
     """
     (xx, _, _), (xy, yy, _), (_, _, turn) = covariance.tolist()
     worst = 0.5 * (xx + yy) + math.hypot(0.5 * (xx - yy), xy)
@@ -25,12 +25,12 @@ def worst_sigmas(covariance: FloatArray) -> tuple[float, float]:
 def repeatability_of(covariance: FloatArray, map_error: FloatArray) -> FloatArray:
     """Return the covariance (3, 3) of a pose relative to another pose that scans measured at the same place.
 
-    It does not contain the map's error, which both poses share, and is never below the noise of scan
-    matching.
+    It is in the frame and units of `covariance`, does not contain the map's error, which both poses share,
+    and is never below the noise of scan matching.
 
     Args:
         covariance: (3, 3) covariance of the pose: x and y on the map in [m], heading in [rad].
-        map_error: (3, 3) part of the covariance that errors of the map cause.
+        map_error: (3, 3) part of `covariance` that errors of the map cause, in the same frame and units.
     """
     return np.asarray(remove_part(covariance, map_error) + SCAN_REPEATABILITY)
 
@@ -39,8 +39,8 @@ def remove_part(covariance: FloatArray, part: FloatArray) -> FloatArray:
     """Subtract a part from a covariance (3, 3), and return the rest with negative variances set to zero.
 
     Args:
-        covariance: (3, 3) covariance of x, y in [m] and heading in [rad].
-        part: (3, 3) covariance to subtract, in the same units.
+        covariance: (3, 3) covariance of x, y in [m], in any frame, and heading in [rad].
+        part: (3, 3) covariance to subtract, in the same frame and units.
     """
     rest = covariance - part
     if _is_positive(rest):

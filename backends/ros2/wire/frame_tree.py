@@ -50,8 +50,8 @@ class FrameTree:
 
 
 def pose_of_transform(message: Any) -> Transform | None:
-    """Return the pose (4, 4) of a `geometry_msgs/Transform`; None if it is not finite, or its quaternion is
-    not of length 1.
+    """Return parent_T_child (4, 4) of a `geometry_msgs/Transform`; None if it is not finite, or its
+    quaternion is not of length 1.
     """
     place, turn = message.translation, message.rotation
     x, y, z, w = float(turn.x), float(turn.y), float(turn.z), float(turn.w)

@@ -25,7 +25,7 @@ def printed_faces(
 
     Args:
         tags: the tags.
-        size_mm: size of the box along its x, y and z.
+        size_mm: size of the box along its x, y and z, in [mm].
         grey: grey of the side around the tags, 0 to 255.
     """
     faces: dict[Face, ByteArray] = {}

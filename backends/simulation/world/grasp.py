@@ -84,10 +84,10 @@ def hand_T_gripped(thing: Thing, pads: Pads) -> Transform:
 
 
 def extent(axis: FloatArray, size: tuple[float, float, float]) -> FloatArray:
-    """Return the size (3,) of a cylinder's bounding box along x, y and z, in [m].
+    """Return the size (3,) of a cylinder's bounding box along x, y and z of any frame, in [m].
 
     Args:
-        axis: (3,) unit vector along the cylinder.
+        axis: (3,) unit vector along the cylinder, in that frame.
         size: (3,) diameter, diameter and length of the cylinder, in [m].
     """
     return np.asarray(size[0] * np.sqrt(np.maximum(0.0, 1.0 - axis**2)) + size[2] * np.abs(axis))

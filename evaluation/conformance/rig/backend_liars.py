@@ -199,7 +199,7 @@ class TurnsOtherWay(LayeredBackend):
         super().__init__(inner)
 
     def imu_rates(self, imu: Imu) -> FloatArray:
-        """Return the angular velocities (3,), in [rad/s], with the opposite signs."""
+        """Return the angular velocities (3,) about the IMU's axes, in [rad/s], with the opposite signs."""
         return -imu.rates()
 
 

@@ -51,7 +51,7 @@ class JumpGate:
         Args:
             time: time of the fix, in [s].
             position: (2,) in the world, in [m].
-            odometry: pose by wheels and gyros alone.
+            odometry: pose by wheels and gyros alone, in a frame of its own.
             way: distance driven by the wheels so far, in [m].
             heading: heading in the world, in [rad]; None while it is unknown.
             sigma: standard deviation per axis that the receiver states, in [m]; NaN if it states none.

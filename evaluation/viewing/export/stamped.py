@@ -29,7 +29,7 @@ def stamp(time: float) -> Timestamp:
 
 
 def pose_of(pose: FloatArray) -> Pose:
-    """Convert a pose to a Foxglove Pose.
+    """Convert a pose to a Foxglove Pose in the same frame.
 
     Args:
         pose: (7,) x, y, z in [m], and a unit quaternion w, x, y, z; or (3,) x, y in [m], heading in [rad].
@@ -40,7 +40,7 @@ def pose_of(pose: FloatArray) -> Pose:
 
 
 def position_of(pose: FloatArray) -> Vector3:
-    """Return the position of a pose as a Foxglove Vector3, in [m].
+    """Return the position of a pose as a Foxglove Vector3 in the same frame, in [m].
 
     Args:
         pose: (7,) x, y, z in [m], and a unit quaternion w, x, y, z; or (3,) x, y in [m], heading in [rad].
@@ -52,7 +52,7 @@ def position_of(pose: FloatArray) -> Vector3:
 
 
 def orientation_of(pose: FloatArray) -> Quaternion:
-    """Return the orientation of a pose as a Foxglove Quaternion.
+    """Return the orientation of a pose as a Foxglove Quaternion in the same frame.
 
     Args:
         pose: (7,) x, y, z in [m], and a unit quaternion w, x, y, z; or (3,) x, y in [m], heading in [rad].

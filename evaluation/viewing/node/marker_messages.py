@@ -125,7 +125,7 @@ def _is_finite(pose: Pose2 | None) -> bool:
 
 
 def pose_message(link: ServingLink, pose: Pose2, covariance: FloatArray) -> Any:
-    """Return a `PoseWithCovarianceStamped` of map_T_base; `covariance` (3, 3) in [m] and [rad]."""
+    """Return a `PoseWithCovarianceStamped` of map_T_base; `covariance` (3, 3) of x, y [m], heading [rad]."""
     message = link.message("geometry_msgs/PoseWithCovarianceStamped")
     message.header.frame_id = MAP_FRAME
     set_stamp(message.header, link.now())

@@ -24,7 +24,7 @@ class SeenState:
     pose: Pose2
     """map_T_base."""
     covariance: FloatArray
-    """(3, 3) covariance of the pose, in [m] and [rad]."""
+    """(3, 3) covariance of the pose, of x, y in [m] and heading in [rad]."""
     planned: FloatArray = field(default_factory=NO_POINTS.copy)
     """(n, 2) path that the action plans to drive, in [m]."""
     driven: FloatArray = field(default_factory=NO_POINTS.copy)
@@ -47,8 +47,8 @@ def seen_state(
     Args:
         robot: the robot, between two periods.
         evidence: (n, 2) points of the running action on the map, in [m], by name.
-        driven: poses of the base since the action's start.
-        snapshot: pose of the base at the action's start; None before the first action.
+        driven: map_T_base since the action's start.
+        snapshot: map_T_base at the action's start; None before the first action.
     """
     people = np.empty((0, 7))
     with suppress(Exception):  # primitives that need its readings report it

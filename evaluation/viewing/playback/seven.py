@@ -17,7 +17,7 @@ def sevens(poses: FloatArray) -> FloatArray:
     """Return poses as rows (n, 7): x, y, z in [m], and a unit quaternion w, x, y, z.
 
     Args:
-        poses: (n, 4, 4) homogeneous transforms.
+        poses: (n, 4, 4) homogeneous transforms, in any one frame, which the rows keep.
     """
     if len(poses) == 0:
         return np.empty((0, 7))
@@ -26,7 +26,7 @@ def sevens(poses: FloatArray) -> FloatArray:
 
 
 def seven(pose: Transform) -> Seven:
-    """Convert a homogeneous transform (4, 4) to x, y, z in [m] and a unit quaternion w, x, y, z."""
+    """Convert a pose (4, 4) in any frame to x, y, z in [m] and a unit quaternion w, x, y, z."""
     x, y, z, qw, qx, qy, qz = sevens(pose[None])[0].tolist()
     return x, y, z, qw, qx, qy, qz
 
