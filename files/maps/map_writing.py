@@ -39,8 +39,8 @@ def trajectory_csv(times: FloatArray, poses: FloatArray, covariances: FloatArray
 
     Args:
         times: (n,) in [s].
-        poses: (n, 3) x, y in [m], heading in [rad].
-        covariances: (n, 3, 3) of the poses, in [m, m, rad].
+        poses: (n, 3) map_T_base: x, y in [m], heading in [rad].
+        covariances: (n, 3, 3) of the poses, along the map's axes, in [m, m, rad].
     """
     lines = [TRAJECTORY_COLUMNS]
     for time, pose, spread in zip(times, poses, covariances, strict=True):

@@ -73,7 +73,8 @@ class StateCodes:
 
         Args:
             state: the state.
-            mass: (3 or 6,) probability and cost of the runs that come to the state, as in `FlowStates`.
+            mass: (3 or 6,) probability, and cost in [s] and [s²], of the runs that come to the state, as in
+                `FlowStates`.
         """
         counts = np.zeros((1, len(self._counters)), np.uint16)
         for counter, fails in state.fails:

@@ -116,11 +116,11 @@ class StateRows:
         return array("H", row).tobytes()
 
     def row(self, state: State) -> Uint16Array:
-        """Return the row of a state, as (1, 1 + counters)."""
+        """Return the row (1, 1 + counters) of a state, with its situation's index and numbers of Fails."""
         return np.frombuffer(self.key(state), np.uint16)[None, :]
 
     def state(self, row: Uint16Array) -> State:
-        """Return the state of a row (1 + counters,)."""
+        """Return the state of a row (1 + counters,), as the class describes it."""
         counts: Mapping[int, int] = {
             self.counters[column]: int(row[1 + column]) for column in np.flatnonzero(row[1:])
         }
@@ -130,7 +130,7 @@ class StateRows:
         """Return a mask (n, actions) of the actions whose attempts are used up and cannot be given back.
 
         Args:
-            rows: (n, 1 + counters) a row for each state.
+            rows: (n, 1 + counters) a row for each state, as the class describes them.
         """
         return np.asarray(self._out(rows, np.arange(len(self.actions))) & ~self._returns)
 

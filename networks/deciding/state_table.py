@@ -98,7 +98,7 @@ class StateTable:
         The cost bounds of new states are those of their situations.
 
         Args:
-            rows: (n, 1 + counters) a row for each state.
+            rows: (n, 1 + counters) a row for each state, as in `StateRows`.
         """
         numbers, new = self._numbers, list[int]()
         found = np.empty(len(rows), np.int64)

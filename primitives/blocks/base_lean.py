@@ -41,6 +41,7 @@ def unmodelled_leans(robot: Robot, then: FloatArray, now: FloatArray) -> tuple[T
     of the sensors and slope of the floor are equal at both times, so that only the difference counts. Each
     tilt gets half of the difference, which gives the smallest tilts that explain it. Then they are reduced by
     their share of noise (James and Stein 1961, positive part, per axis), nearly to 0 if the model is right.
+    A motion is the pose of the tilted base in the frame that it has without this tilt.
 
     Args:
         robot: robot whose suspension model is used.

@@ -48,7 +48,7 @@ class Fixed(NamedTuple):
 
     @property
     def covariance(self) -> FloatArray:
-        """Covariance (3, 3) of `pose`: x, y in [m] and heading in [rad]."""
+        """Covariance (3, 3) of `pose`: x, y on the map in [m] and heading in [rad]."""
         return np.diag([self.sigma[0], self.sigma[0], self.sigma[1]]) ** 2
 
 

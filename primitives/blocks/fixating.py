@@ -192,7 +192,7 @@ def fixed_by(robot: Robot, name: str, place: str, planned: Pose2, found: Fixatio
 
 
 def covariance_of_mean(seen: Sequence[Pose2], noise: tuple[float, float]) -> FloatArray:
-    """Return the covariance (3, 3) of the mean of poses, of x, y in [m] and heading in [rad].
+    """Return the covariance (3, 3) of the mean of poses, of x, y on the map in [m] and heading in [rad].
 
     Args:
         seen: the poses map_T_base, close together.
@@ -212,7 +212,8 @@ def upright(fixed: Fixed, known: SuspensionModel, height: float, beside: Transfo
         known: suspension model, which predicts the tilt.
         height: height of the landmark above the floor, in [m]; a tilt moves a higher one further in the
             picture.
-        beside: (4, 4) motion of the base by tilt that the model does not predict, corrected as well.
+        beside: (4, 4) motion of the base, in the base frame, by tilt that the model does not predict,
+            corrected as well.
     """
     hand = transform((*fixed.reach, height))
     seen = beside @ known.displaced(hand, np.eye(4), 0)

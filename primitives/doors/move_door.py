@@ -298,7 +298,7 @@ class MoveDoor(ActionPrimitive):
             span: present and wanted opening, in [rad] if hinged, in [m] if sliding.
             grip: (3,) middle of the handle's bar in the frame of the hand, in [m].
             is_there: function that returns whether the handle has moved far enough, given the measured path
-                and the middle (3,) of the bar in the base frame.
+                and the middle (3,) of the bar in the base frame, in [m].
 
         Raises:
             Discrepancy: the arm does not get far enough.

@@ -112,7 +112,7 @@ def pull(
         grip: (3,) middle of the handle's bar in the frame of the hand, in [m].
         prior: path expected before it is measured, in the base frame.
         is_there: function that returns whether the handle has moved far enough, given the measured path and
-            the middle (3,) of the bar in the base frame.
+            the middle (3,) of the bar in the base frame, in [m].
         bias: (3,) force on the empty hand, in the base frame, in [N]; see `measured_bias`.
     """
     moved = BaseDrift(robot)

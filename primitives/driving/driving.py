@@ -107,7 +107,7 @@ def _shortage(way: Way) -> Measured | None:
 def plan_tracker(
     robot: Robot, model: ModelView, place: str, goal: Pose2, tolerance: PoseTolerance, reverse: bool = False
 ) -> Generator[None, None, tuple[PathTracker | CarTracker, FloatArray]]:
-    """Return a tracker for a route to a place, and the route's points (n, 2) in [m].
+    """Return a tracker for a route to a place, and the route's points (n, 2) on the map, in [m].
 
     The route is the planned detour to the place, or a new route on the map. A car always gets a new one from
     its current pose, past known and sensed obstacles.
@@ -182,14 +182,14 @@ class FieldObstacleMonitor:
         """Return the sensed points (m, 2) to remember as obstacles, which are those near `blocking`.
 
         Args:
-            sensed: (n, 2) points that the map does not explain, in [m].
-            blocking: (2,) point of an obstacle on the route, in [m].
+            sensed: (n, 2) points that may be obstacles, in the field's frame, in [m].
+            blocking: (2,) point of an obstacle on the route, in the same frame, in [m].
         """
         return np.asarray(sensed[np.hypot(*(sensed - blocking).T) < OBSTACLE_MEMORY_RADIUS_M])
 
     def around(self, robot: Robot, blocking: FloatArray) -> FloatArray:
-        """Return the points (n, 2) of this period's scan around a point (2,) that the base would touch, in
-        [m].
+        """Return the points (n, 2) of this period's scan around a point (2,) that the base would touch,
+        both in the field's frame, in [m].
         """
         return np.vstack([blocking, self.kept(self.unexpected(robot), blocking)])
 
@@ -199,7 +199,7 @@ class FieldObstacleMonitor:
 
         Args:
             route: (n, 2) in the field's frame, in [m].
-            sensed: (m, 2) points that may be obstacles, in [m].
+            sensed: (m, 2) points that may be obstacles, in the same frame, in [m], as is the point returned.
         """
         return path_blocked(route, sensed, self._radius, WATCH_HORIZON_M)
 
@@ -225,15 +225,15 @@ class ObstacleMonitor:
         """Return the sensed points to remember as obstacles, which are all of them.
 
         Args:
-            sensed: (n, 2) points that the map does not explain, in [m].
-            blocking: (2,) point of an obstacle on the route, in [m]; not used.
+            sensed: (n, 2) points that the map does not explain, on the map, in [m].
+            blocking: (2,) point of an obstacle on the route, on the map, in [m]; not used.
         """
         return sensed
 
     def around(self, robot: Robot, blocking: FloatArray) -> FloatArray:
         """Return (n, 2) points of this period's scan around a point (2,) that the base would touch, in [m].
 
-        Points within a cell of a mapped wall are taken for the wall, and left out.
+        All are on the map. Points within a cell of a mapped wall are taken for the wall, and left out.
         """
         points = robot.pose.apply(robot.surroundings())
         near = points[np.hypot(*(points - blocking).T) < BESIDE_IT]
@@ -246,6 +246,6 @@ class ObstacleMonitor:
 
         Args:
             route: (n, 2) on the map, in [m].
-            sensed: (m, 2) points that may be obstacles, in [m].
+            sensed: (m, 2) points that may be obstacles, on the map, in [m], as is the point returned.
         """
         return path_blocked(route, sensed, self._radius, WATCH_HORIZON_M)

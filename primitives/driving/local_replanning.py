@@ -95,7 +95,7 @@ class LocalReplanning:
 
     @property
     def points(self) -> FloatArray:
-        """Sensed points (n, 2) that the map does not show, in [m]."""
+        """Sensed points (n, 2) on the map that it does not show, in [m]."""
         return self._layer.points
 
     @property

@@ -188,7 +188,7 @@ class PeopleWatch:
         return bool((away < NEAR_PERSON_M).any())
 
     def without_people(self, cells: FloatArray) -> FloatArray:
-        """Return the rows (n, k) whose first two columns, x and y in [m], are not at a person's body."""
+        """Return the rows (n, k) whose first two columns, x and y on the map in [m], are not at a person."""
         if not len(cells) or not len(self.people.radii):
             return cells
         off = cells[:, None, :2] - self.people.positions[None]

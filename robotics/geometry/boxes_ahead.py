@@ -20,7 +20,7 @@ def boxes_ahead(
     inside a box meets the box where it leaves it.
 
     Args:
-        start: (3,) start of all lines, in [m].
+        start: (3,) start of all lines, in any one frame, in [m].
         ways: (n, 3) vectors from the start to the ends of the lines, in [m], in the frame of `start`.
         middles: (k, 3) middles of the boxes in the same frame, in [m].
         turns: (k, 3, 3) rotations of the boxes in the same frame.

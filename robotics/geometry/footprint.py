@@ -74,7 +74,7 @@ def polygon_distance(corners: FloatArray, x: float, y: float) -> float:
     """Return the signed distance of a point to a polygon, in [m]; negative inside.
 
     Args:
-        corners: (n, 2) of the polygon, in order, in [m].
+        corners: (n, 2) of the polygon, in order, in any one frame, in [m].
         x: x of the point in the frame of the corners, in [m].
         y: y of the point in the frame of the corners, in [m].
     """
@@ -98,7 +98,7 @@ def polygon_distances(corners: FloatArray, points: FloatArray) -> FloatArray:
     """Return the signed distances of points to a polygon; negative inside.
 
     Args:
-        corners: (n, 2) of the polygon, in order, in [m].
+        corners: (n, 2) of the polygon, in order, in any one frame, in [m].
         points: (m, 2) in the frame of the corners, in [m].
 
     Returns:
@@ -118,7 +118,7 @@ def polygon_gap(one: FloatArray, other: FloatArray) -> float:
     only sides cross.
 
     Args:
-        one: (n, 2) corners in order, in [m].
+        one: (n, 2) corners in order, in any one frame, in [m].
         other: (m, 2) corners in order in the same frame, in [m].
     """
     gap = np.inf

@@ -20,7 +20,7 @@ def ground_ahead(
     a line, and taken as linear between two readings.
 
     Args:
-        start: (3,) start of all lines, in [m].
+        start: (3,) start of all lines, in any one frame with z up, in [m].
         ways: (n, 3) vectors from the start to the ends of the lines, in [m], in the frame of `start`.
         corner: (2,) place of `heights[0, 0]` in the same frame, in [m].
         cell: distance between points whose heights are given, in [m].

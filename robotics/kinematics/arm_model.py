@@ -157,22 +157,22 @@ class ArmModel:
         return np.vstack((turn @ root_J[:3], turn @ root_J[3:]))
 
     def gravity_torque(self, q: FloatArray) -> FloatArray:
-        """Return the torques (n,) in [Nm] that carry the arm's weight at joints `q` (n,), in [rad] or [m], if
-        the base is upright.
+        """Return the torques (n,), in [Nm] or [N], that carry the arm's weight at joints `q` (n,), in [rad]
+        or [m], if the base is upright.
         """
         return self.of_arm(pin.computeGeneralizedGravity(self._model, self._data, self.ordered(q)))
 
     def own_gravity_torques(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return torques, in [Nm], that carry the arm's weight if mimicking joints have drives of their own.
+        """Return torques or forces that carry the arm's weight if mimicking joints have drives of their own.
 
-        They are those of the arm's joints (n,) without their followers', and those of `followers` (k,), at
-        joints `q` (n,), in [rad] or [m].
+        They are those of the arm's joints (n,) without their followers', and those of `followers` (k,), in
+        [Nm] or [N], at joints `q` (n,), in [rad] or [m].
         """
         torques: FloatArray = pin.computeGeneralizedGravity(self._model, self._data, self.ordered(q))
         return torques[self._order], torques[self._led]
 
     def load_torque(self, q: FloatArray, point: FloatArray, mass: float) -> FloatArray:
-        """Return the torques (n,) in [Nm] that carry a load held by the tip, if the base is upright.
+        """Return the torques (n,), in [Nm] or [N], that carry a load held by the tip, if the base is upright.
 
         Args:
             q: (n,) joint angles in [rad] or [m].
@@ -321,8 +321,8 @@ class ArmModel:
         """Return values (..., n) of the arm's joints, given values (..., m) of all joints in Pinocchio's
         order.
 
-        Values are torques in [Nm], or columns of a Jacobian, in its units. A joint's torque includes those of
-        its followers.
+        Values are torques in [Nm] or [N], or columns of a Jacobian, in its units. A joint's torque includes
+        those of its followers.
         """
         if self._spread is not None:
             return np.asarray(columns @ self._spread)

@@ -21,7 +21,7 @@ def origin_of(element: ElementTree.Element) -> Transform:
 
 
 def link_poses(urdf_text: str) -> dict[str, Transform]:
-    """Return the pose (4, 4) of each link in the root link.
+    """Return the pose (4, 4) of each link in the root link, with all joints at zero.
 
     Raises:
         ValueError: the text is not a URDF.

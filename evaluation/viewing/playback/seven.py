@@ -32,10 +32,10 @@ def seven(pose: Transform) -> Seven:
 
 
 def transforms(rows: FloatArray) -> FloatArray:
-    """Return poses as homogeneous transforms (n, 4, 4).
+    """Return poses as homogeneous transforms (n, 4, 4), in the same frame.
 
     Args:
-        rows: (n, 7) x, y, z in [m], and a unit quaternion w, x, y, z.
+        rows: (n, 7) in any frame, x, y, z in [m], and a unit quaternion w, x, y, z.
     """
     found = np.tile(np.eye(4), (len(rows), 1, 1))
     if len(rows):
@@ -48,7 +48,7 @@ def on_floor(poses: FloatArray) -> FloatArray:
     """Return planar poses as rows (n, 7) with z = 0: x, y, z in [m], and a unit quaternion w, x, y, z.
 
     Args:
-        poses: (n, 3) x, y in [m], heading in [rad].
+        poses: (n, 3) x, y in [m], heading in [rad], in any frame with z up; the rows are in that frame.
     """
     found = np.zeros((len(poses), 7))
     found[:, :2] = poses[:, :2]

@@ -110,8 +110,8 @@ class WorldNodes:
         """Draw the ellipse of three standard deviations around the estimated base pose.
 
         Args:
-            pose: (3,) x, y in [m] and heading in [rad].
-            covariance: (3, 3) of the pose, in [m] and [rad].
+            pose: (3,) map_T_base: x, y in [m] and heading in [rad].
+            covariance: (3, 3) of the pose, along the map's axes, of x, y in [m] and heading in [rad].
         """
         values, vectors = np.linalg.eigh(covariance[:2, :2].astype(np.float64))
         angle = np.linspace(0.0, 2.0 * np.pi, ELLIPSE_CORNERS + 1)
@@ -125,7 +125,8 @@ class WorldNodes:
         """Draw ellipses and velocities of tracked people.
 
         Args:
-            rows: (p, 7), each x, y in [m], velocity x, y in [m/s], and xx, xy, yy of the covariance in [m²].
+            rows: (p, 7) on the map, each x, y in [m], velocity x, y in [m/s], and xx, xy, yy of the
+                covariance in [m²].
         """
         steps = [np.zeros((0, 2, 2)), *(np.stack((a[:-1], a[1:]), axis=1) for a in track_lines(rows))]
         flat = np.concatenate(steps)

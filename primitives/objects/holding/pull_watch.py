@@ -127,8 +127,8 @@ class PullWatch:
         return None if _pushes(mean, self._robot.base_T("hand")[:3, 3]) else mean
 
     def lasts(self, pull: FloatArray) -> bool:
-        """Return whether the last reading still has most of the force of a pull (3,), in [N], along the
-        pull.
+        """Return whether the last reading still has most of the force of a pull along the pull (3,), in the
+        base frame, in [N].
         """
         size = float(np.linalg.norm(pull))
         return bool(self._forces) and float(self._forces[-1] @ pull) / size >= LASTING_SHARE * size
@@ -148,7 +148,7 @@ class PullWatch:
 
 
 def direction_words(force: FloatArray) -> str:
-    """Return the main direction of a force (3,) in the base frame, in a word such as "ahead" or "left"."""
+    """Return the main direction of a force (3,) in the base frame, in [N], by a word such as "ahead"."""
     axis = int(np.abs(force).argmax())
     return (("back", "ahead"), ("right", "left"), ("down", "up"))[axis][int(force[axis] > 0.0)]
 

@@ -45,7 +45,7 @@ def aimed_joints(
         robot: robot with a camera behind joints of the section `arm`.
         collision: the arm among its surroundings.
         point: (3,) in the base frame, in [m].
-        towards: unit vectors (3,) from the point to the camera, the best ones first.
+        towards: unit vectors (3,) in the base frame from the point to the camera, the best ones first.
     """
     camera, here = robot.view_camera, robot.arm.command()
     home = [] if collision.holds else [np.array(robot.spec.posture("home"))]
@@ -62,14 +62,16 @@ def aimed_joints(
 def aimed_views(
     arm: ArmModel, carrier: str, carrier_T_camera: Transform, point: FloatArray, posture: FloatArray
 ) -> Iterator[tuple[FloatArray, Transform]]:
-    """Yield joints (n,) that turn a camera to a point, and base_T_camera (4, 4), at some heights of a lift.
+    """Yield joints (n,), in [rad] or [m], that turn a camera to a point, and base_T_camera (4, 4).
+
+    They are for some heights of a lift.
 
     Args:
         arm: kinematics of arm and head.
         carrier: link that carries the camera.
         carrier_T_camera: (4, 4) of the optical frame.
         point: (3,) in the base frame, in [m].
-        posture: (n,) of all joints; joints that move the hand keep their values in it, except lifts.
+        posture: (n,) of all joints, in [rad] or [m]; those that move the hand stay there, except lifts.
     """
     above = arm.moving(carrier)
     turning = above & ~arm.moves_tip

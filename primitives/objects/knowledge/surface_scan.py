@@ -23,7 +23,8 @@ def scan_surface(
 ) -> Generator[None, None, tuple[Pose2, FloatArray] | None]:
     """Return a surface's pose on the map, and its covariance (3, 3) of x, y in [m] and heading in [rad].
 
-    The covariance does not include the uncertainty of the base's pose. None if the surface isn't seen.
+    The covariance is along the map's axes, without the uncertainty of the base's pose. None if the surface
+    isn't seen.
 
     Args:
         robot: robot before the surface.

@@ -170,7 +170,7 @@ def look_from(
         robot: robot with a camera.
         model: knows surfaces, seen objects and what is held.
         point: (3,) in the base frame, in [m].
-        towards: unit vectors (3,) from the point to the camera, the best ones first.
+        towards: unit vectors (3,) in the base frame from the point to the camera, the best ones first.
         distances: from the camera to the point, in [m], the best ones first.
         also_around: further bodies that the arm must not touch, in the base frame.
         shown: (m, 3) points in the base frame, in [m], that hand and held object should not hide.
@@ -338,11 +338,13 @@ def require_determined(model: ModelView, name: str, seen: ObjectSighting, need: 
 def on_map(base: Pose2, base_covariance: FloatArray, seen: Pose2, covariance: FloatArray) -> FloatArray:
     """Return the covariance (3, 3) on the map of a pose that was measured in the base frame.
 
+    It is of x, y in [m] and heading in [rad].
+
     Args:
         base: map_T_base.
-        base_covariance: (3, 3) covariance of `base`, of x, y in [m] and heading in [rad].
+        base_covariance: (3, 3) covariance of `base`, of x, y in [m] and heading in [rad], on the map.
         seen: base_T_object.
-        covariance: (3, 3) covariance of `seen`.
+        covariance: (3, 3) covariance of `seen`, in the same units, in the base frame.
     """
     cos, sin = math.cos(base.theta), math.sin(base.theta)
     by_base = np.eye(3)

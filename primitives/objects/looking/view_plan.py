@@ -34,7 +34,7 @@ ROBOT_AZIMUTHS_RAD = tuple(math.radians(value) for value in (180.0, 140.0, -140.
 def places_and_weights(
     surface: ObjectSurface, believed: tuple[float, float] | None, sigma: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return places (n, 2) on the map where the object may be, and their probabilities (n,).
+    """Return places (n, 2) on the map, in [m], where the object may be, and their probabilities (n,).
 
     Args:
         surface: surface that the object is on.
@@ -102,7 +102,7 @@ def view_joints(
         robot: robot with a camera on the hand, or elsewhere behind joints of its arm.
         collision: the arm among its surroundings.
         point: (3,) in the base frame, in [m].
-        towards: unit vectors (3,) from the point to the camera, the best ones first.
+        towards: unit vectors (3,) in the base frame from the point to the camera, the best ones first.
         distances: from the camera to the point, in [m], the best ones first; not used for a camera that
             is not on the hand.
         shown: (m, 3) points in the base frame, in [m], that hand and held object should not hide from a

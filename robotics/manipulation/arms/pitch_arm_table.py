@@ -39,10 +39,9 @@ def pitch_arm_table(
     usable.
 
     Args:
-        stands: (b, 4) position of the yaw axis in the world, in [m], and cosine and sine of the base's
-            heading.
-        marks: (p, 11) position in [m], tangent, level direction of the tool (2), and cosine, sine and rate in
-            [rad/m] of the tool's elevation; returned by `PitchArm.marks`.
+        stands: (b, 4) x and y of the yaw axis in the world, in [m]; cosine and sine of the base's heading.
+        marks: (p, 11) position in [m], tangent, level direction of the tool (2), all in the world, and
+            cosine, sine and rate in [rad/m] of the tool's elevation; returned by `PitchArm.marks`.
         arm: (12,) shoulder height and three link lengths in [m]; cosines of the yaw limit and of the azimuth
             tolerance; lower and upper limit of each pitch joint in [rad].
         measure: number of the `Measure`.
@@ -105,9 +104,9 @@ def pitch_arm_joints(stand: FloatArray, marks: FloatArray, arm: FloatArray) -> F
     The angles are NaN for a point that is out of reach.
 
     Args:
-        stand: (4,) position of the yaw axis in [m], and the base's heading as its cosine and sine.
-        marks: (p, 11) position in [m], tangent, level direction of the tool (2), and cosine, sine and rate in
-            [rad/m] of the tool's elevation; returned by `PitchArm.marks`.
+        stand: (4,) x and y of the yaw axis in the world, in [m]; cosine and sine of the base's heading.
+        marks: (p, 11) position in [m], tangent, level direction of the tool (2), all in the world, and
+            cosine, sine and rate in [rad/m] of the tool's elevation; returned by `PitchArm.marks`.
         arm: (12,) shoulder height and three link lengths in [m]; cosines of the yaw limit and of the azimuth
             tolerance; lower and upper limit of each pitch joint in [rad].
     """

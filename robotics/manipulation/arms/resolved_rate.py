@@ -83,7 +83,7 @@ def line_postures(arm: Scara, q: FloatArray, target: FloatArray) -> FloatArray |
 
     Args:
         arm: the arm.
-        q: (2,) or (3,) joints at the start, the angles in [rad] first.
+        q: joints at the start, (2,) angles in [rad], or (3,) with the slide in [m].
         target: (2,) end of the line in the arm's plane, in [m].
     """
     start = arm.tip(q)
@@ -104,7 +104,7 @@ def way_to(arm: Scara, q: FloatArray, target: FloatArray) -> list[FloatArray] | 
 
     Args:
         arm: the arm.
-        q: (2,) or (3,) joints at the start, the angles in [rad] first.
+        q: joints at the start, (2,) angles in [rad], or (3,) with the slide in [m].
         target: (2,) position in the arm's plane, in [m].
     """
     goal = arm.inverse(target)

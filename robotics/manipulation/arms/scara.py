@@ -53,7 +53,7 @@ class Scara(NamedTuple):
         """Return the position of the tip.
 
         Args:
-            q: (2,) or (3,) joints, the angles in [rad] first.
+            q: joints, (2,) angles in [rad], or (3,) with the slide in [m].
 
         Returns:
             (2,) in the arm's plane, from the first joint, in [m].

@@ -29,9 +29,9 @@ def turn_matrix(axis: FloatArray, angle: float, out: FloatArray) -> None:
     """Write the rotation around an axis into `out`, by Rodrigues' formula.
 
     Args:
-        axis: (3,) unit vector.
+        axis: (3,) unit vector in any frame.
         angle: angle of the rotation, in [rad].
-        out: (3, 3), written.
+        out: (3, 3) in the same frame, written.
     """
     s, c = math.sin(angle), math.cos(angle)
     d = 1.0 - c
@@ -159,7 +159,8 @@ def without_free(pose: FloatArray, free: int, rows: FloatArray) -> None:
 def determinant_in_place(matrix: FloatArray) -> float:
     """Return the determinant of a small square matrix (n, n), by Gaussian elimination with row pivots.
 
-    The matrix is overwritten. `numpy.linalg.det` is not used because numba takes a second to compile it.
+    The matrix, in any units, is overwritten. `numpy.linalg.det` is not used because numba takes a second to
+    compile it.
     """
     n, product = len(matrix), 1.0
     for column in range(n):

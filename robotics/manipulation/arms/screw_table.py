@@ -80,9 +80,9 @@ def in_base(stand: FloatArray, world_T_tool: FloatArray, out: FloatArray) -> Non
     """Compute the pose base_T_tool (4, 4) of a tool from its pose in the world, and write it into `out`.
 
     Args:
-        stand: (4,) x, y in [m], cosine and sine of the heading of the base.
+        stand: (4,) x, y in the world in [m], cosine and sine of the heading of the base.
         world_T_tool: (4, 4) pose of the tool.
-        out: (4, 4), written.
+        out: (4, 4) base_T_tool, written.
     """
     cos, sin = stand[2], stand[3]
     for c in range(4):

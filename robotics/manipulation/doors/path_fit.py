@@ -85,22 +85,25 @@ class PathFit(NamedTuple):
         return False if size + STRAIGHT_SIGMAS * sigma < STRAIGHT_CURVATURE else None
 
     def turned(self, point: FloatArray) -> float:
-        """Return the path's turn in [rad], left positive, from its start to its point nearest to a point (3,)
-        in [m].
+        """Return the path's turn in [rad], left positive, from its start to its point nearest to a point
+        (3,), in [m] in the frame of the fitted points.
         """
         u, v = _along_and_aside((point - self.origin)[None], self.state)
         return math.atan2(self.curvature * float(u[0]), 1.0 - self.curvature * float(v[0]))
 
     def travel(self, point: FloatArray) -> float:
-        """Return the length, in [m], of the path from its start to its point nearest to a point (3,) in
-        [m].
+        """Return the length, in [m], of the path from its start to its point nearest to a point (3,), in [m]
+        in the frame of the fitted points.
         """
         if abs(self.curvature) < MIN_CURVATURE:
             return float(_along_and_aside((point - self.origin)[None], self.state)[0][0])
         return self.turned(point) / self.curvature
 
     def tangent(self, point: FloatArray) -> FloatArray:
-        """Return the unit vector (3,) along the path where it is nearest to a point (3,) in [m]."""
+        """Return the unit vector (3,) along the path where it is nearest to a point (3,) in [m].
+
+        Both are in the frame of the fitted points.
+        """
         heading = float(self.state[HEADING]) + self.turned(point)
         level = np.array([math.cos(heading), math.sin(heading)])
         way = np.append(level, level @ self.state[SLOPE_X:])

@@ -85,7 +85,10 @@ class CollisionModel:
         return found
 
     def distance(self, q: FloatArray) -> float:
-        """Clearance of the closest pair at `q` (n,), in [m]; below zero: depth of the penetration."""
+        """Clearance, in [m], of the closest pair at joint angles `q` (n,), in [rad] or [m].
+
+        Below zero it is the depth of the penetration.
+        """
         arguments = (self._model, self._model_data, self._bodies, self._data, self.arm.ordered(q))
         closest = pin.computeDistances(*arguments)
         return float(self._data.distanceResults[closest].min_distance)
@@ -123,9 +126,9 @@ class CollisionModel:
         Args:
             q_from: (n,) joint angles, in [rad] or [m].
             q_to: (n,) joint angles, in [rad] or [m].
-            step: largest joint motion between two checks, in [rad]. With a reach of 0.9 m, 0.01 rad moves the
-                fingertips by at most 9 mm; a collision margin of half that distance covers the gaps between
-                checks.
+            step: largest joint motion between two checks, in [rad] or [m]. With a reach of 0.9 m, 0.01 rad
+                moves the fingertips by at most 9 mm; a collision margin of half that distance covers the gaps
+                between checks.
         """
         count = max(1, int(np.ceil(float(np.abs(q_to - q_from).max()) / step)))
         if self.in_collision(q_to) or self.in_collision(q_from):

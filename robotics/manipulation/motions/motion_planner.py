@@ -44,7 +44,7 @@ def plan_motion(
         q_goal: (n,) joint angles at the goal, in [rad] or [m].
         seed: seed of the search.
         max_branches: maximum number of lines tried for each choice of turns.
-        step: distance of checks on a line, in [rad].
+        step: distance of checks on a line, in [rad] or [m].
 
     Returns:
         Waypoints (m, n) in [rad] or [m]; None also if an end is in collision (`collision.contacts` names the

@@ -25,12 +25,12 @@ def highest_speed(
     Source: TOPP-RA, Pham and Pham 2018.
 
     Args:
-        rounded: the path, in [rad].
-        velocity: (n,) velocity limits of the joints, in [rad/s].
-        acceleration: (n,) acceleration limits of the joints, in [rad/s²].
+        rounded: the path, in [rad] or [m].
+        velocity: (n,) velocity limits of the joints, in [rad/s] or [m/s].
+        acceleration: (n,) acceleration limits of the joints, in [rad/s²] or [m/s²].
 
     Returns:
-        Arc lengths (g,) in [rad], and the speed at each (g,) in [rad/s].
+        Arc lengths (g,) in [rad], and the speed at each (g,) in [rad/s]; 1 m counts as 1 rad.
 
     Raises:
         RuntimeError: no speed profile keeps the limits.

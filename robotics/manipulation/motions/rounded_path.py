@@ -13,7 +13,8 @@ class RoundedPath:
     A point of the path is given by its arc length from the start, which is Euclidean over all joints.
 
     Args:
-        corners: waypoints (m, n), m at least 2, none repeating the one before, no reversal on the spot.
+        corners: waypoints (m, n) in [rad] or [m], m at least 2, none repeating the one before, no reversal on
+            the spot.
         deviation: largest distance of the rounded path from the polyline, in [rad] (Euclidean over joints).
 
     Attributes:
@@ -47,11 +48,11 @@ class RoundedPath:
         Where a line and an arc meet, the derivatives are those of the piece that begins there.
 
         Args:
-            s: (k,) arc lengths, in [rad] over all joints.
+            s: (k,) arc lengths, in [rad] over all joints; 1 m counts as 1 rad.
             order: 0 for the angles, 1 or 2 for a derivative.
 
         Returns:
-            (k, n) in [rad]; derivatives without unit (order 1) or in [1/rad] (order 2).
+            (k, n) in [rad] or [m]; derivatives in that unit per [rad] (order 1) or [rad²] (order 2).
         """
         index = np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.knots) - 2)
         along = (s - self.knots[index])[:, None]

@@ -17,21 +17,23 @@ def time_path(
     period: float,
     deviation: float = 0.005,
 ) -> FloatArray:
-    """Return joint set-points (k, n), one each `period` [s], from the path's start to its end, at rest at
-    both.
+    """Return joint set-points (k, n), in [rad] or [m], from the path's start to its end, at rest at both.
+
+    There is one each `period`.
 
     The path is followed as fast as the limits allow: its corners are rounded by arcs, then its speed is
     chosen by TOPP-RA (Pham and Pham 2018). At corners where the path reverses its direction the arm stops.
 
     Args:
-        path: waypoints (m, n) joined by straight lines, in [rad].
-        velocity: limits (n,), in [rad/s]; differences of successive set-points, divided by the period, keep
-            them, from and to rest.
-        acceleration: limits (n,), in [rad/s²]; second differences of the set-points, divided by the squared
-            period, keep them.
+        path: waypoints (m, n) joined by straight lines, in [rad] or [m].
+        velocity: limits (n,), in [rad/s] or [m/s]; differences of successive set-points, divided by the
+            period, keep them, from and to rest.
+        acceleration: limits (n,), in [rad/s²] or [m/s²]; second differences of the set-points, divided by the
+            squared period, keep them.
         period: time between set-points, in [s].
-        deviation: allowed distance of the set-points from the lines at a corner, in [rad] over all joints;
-            check the path with a margin that covers it (0.005 rad move a fingertip by at most 5 mm).
+        deviation: allowed distance of the set-points from the lines at a corner, in [rad] over all joints
+            (1 m counts as 1 rad); check the path with a margin that covers it (0.005 rad move a fingertip by
+            at most 5 mm).
 
     Raises:
         ValueError: a limit, the period or the deviation isn't above zero.

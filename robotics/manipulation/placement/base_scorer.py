@@ -82,7 +82,7 @@ class BaseScorer:
 
         Args:
             bases: (b, 3) world_T_base: x, y in [m], heading in [rad].
-            path: path of the tool.
+            path: path of the tool in the world.
         """
         return self.scores_by(bases, path, self.rule._replace(measure=Measure.REACHABILITY)).usable
 
@@ -133,7 +133,7 @@ class BaseScorer:
 
         Args:
             base: (3,) world_T_base: x, y in [m], heading in [rad].
-            path: path of the tool.
+            path: path of the tool in the world.
 
         Raises:
             Untrackable: the first point that the arm does not reach.
@@ -194,7 +194,7 @@ class BaseScorer:
 
         Args:
             base: (3,) world_T_base: x, y in [m], heading in [rad].
-            path: path of the tool.
+            path: path of the tool in the world.
 
         Raises:
             Untrackable: the arm can't follow the path from this base, or from slightly beside it.

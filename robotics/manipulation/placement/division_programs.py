@@ -17,7 +17,7 @@ def layers(
     values: SingleArray, usable: BoolArray, joined: BoolArray, steps: FloatArray, count: int
 ) -> IntArray:
     """Return the placements of the division with the greatest integral of the score, one for each step,
-    (p-1,).
+    as (p-1,) columns of `values`.
 
     A step leads from a point of the path to the next, and is tracked from one base pose, its placement. At
     least one division into `count` placements must exist (see `fewest_placements`).
@@ -74,7 +74,7 @@ def _backwards(stays: BoolArray, tops: FloatArray, holders: IntArray) -> IntArra
 def cheapest_layers(
     values: SingleArray, usable: BoolArray, joined: BoolArray, steps: FloatArray, cost: float
 ) -> IntArray:
-    """Return the placements of the division with the greatest value, one for each step, (p-1,).
+    """Return each step's placement in the division with the greatest value, as (p-1,) columns of `values`.
 
     The value is the integral of the score along the path less the cost of moves. A step leads from a point of
     the path to the next, and is tracked from one base pose, its placement.

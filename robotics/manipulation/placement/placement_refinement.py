@@ -54,7 +54,7 @@ def refine(
 
     Args:
         scorer: returns the scores of base poses.
-        path: path of the tool.
+        path: path of the tool in the world.
         bases: (b, 3) world_T_base, x, y in [m] and heading in [rad]; the division refers to them by row.
         division: the division to begin with.
         radius: first search distance around a base pose, in [m]: the step of the grid.

@@ -37,6 +37,8 @@ class OpenFloor:
     def reached_from(self, start: tuple[float, float]) -> BoolArray:
         """Return a mask (h, w), True for cells of the map that a base can drive to from a place.
 
+        Row 0 has the lowest y.
+
         Args:
             start: x and y on the map, in [m]; off the map nothing is reached.
         """
@@ -68,7 +70,7 @@ def stands_clear(
     enough.
 
     Args:
-        bases: (b, 3) base poses on the floor, x and y in [m], heading in [rad].
+        bases: (b, 3) world_T_base on the floor: x and y in [m], heading in [rad].
         bodies: bodies of the robot, posed in the frame of its base, in its driving posture.
         obstacles: obstacles, posed in world.
         margin: minimum distance, in [m].
