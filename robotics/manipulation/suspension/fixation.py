@@ -140,7 +140,13 @@ def split_goal(world_T_goal: Transform, world_T_base: Transform) -> Transform:
 
 
 def on_floor(planned_T_base: Transform) -> Pose2:
-    """Return the part of a base's pose error that driving can correct: x, y in [m] and heading in [rad]."""
+    """Return the part of a base's pose error that driving can correct: x, y in [m] and heading in [rad].
+
+    Both poses are in the frame of the planned base.
+
+    Args:
+        planned_T_base: (4, 4) actual pose of the base.
+    """
     turn = planned_T_base[:3, :3]
     heading = math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1])
     return Pose2(float(planned_T_base[0, 3]), float(planned_T_base[1, 3]), heading)

@@ -32,8 +32,8 @@ def fit_swing_yaw(headings: FloatArray, swings: int) -> SwingYaw:
     The yaws of different swings are assumed to be independent.
 
     Args:
-        headings: (n, m) headings of the base in [rad], positive to the left: m measurements at each of n
-            stops with the same posture. The arm does not swing during a stop.
+        headings: (n, m) headings of the base in any one frame, in [rad], positive to the left: m measurements
+            at each of n stops with the same posture. The arm does not swing during a stop.
         swings: number of moves of the arm out and back between one stop and the next.
 
     Raises:

@@ -26,7 +26,7 @@ class TimedTracking(NamedTuple):
     """Set-points of the arm along a path, from rest to rest."""
 
     set_points: FloatArray
-    """(k, n), one each period, in [rad]."""
+    """Joint angles (k, n), one row each period, in [rad]."""
     lengths: FloatArray
     """Arc length (k,) along the path at each set-point, in [m]."""
     use: LimitUse

@@ -81,7 +81,7 @@ class KeyframeLayer:
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].
             pose: map_T_base.
-            covariance: (3, 3) of the pose: x, y in [m], heading in [rad].
+            covariance: (3, 3) of the pose: x, y on the map in [m], heading in [rad].
         """
         if len(points) < MIN_POINTS or self._has_near(pose):
             return False

@@ -104,7 +104,7 @@ class Localizer(ABC):
         Args:
             field: likelihood field of the other map.
             pose: pose of the base in the frame of the other map.
-            covariance: (3, 3) of the pose, in [m, m, rad].
+            covariance: (3, 3) of the pose along the axes of that frame, in [m, m, rad].
         """
         self._odometry.reset(pose, covariance)
         self.extend_map(field)
@@ -114,7 +114,7 @@ class Localizer(ABC):
 
         Args:
             pose: map_T_base by scans.
-            covariance: (3, 3) covariance of the pose before that addition, in [m, m, rad].
+            covariance: (3, 3) covariance of the pose on the map before that addition, in [m, m, rad].
         """
         off = pose_difference(self.pose, pose)
         self._odometry.shift(pose, covariance + np.outer(off, off))
@@ -224,7 +224,7 @@ class ScanLocalizer(Localizer):
 
     @property
     def map_error(self) -> FloatArray:
-        """Part (3, 3) of `covariance` that comes from the map's error, x, y in [m] and heading in [rad].
+        """Part (3, 3) of `covariance` by the map's error, x, y on the map in [m] and heading in [rad].
 
         This error is the same in all poses that are measured at one place.
         """
@@ -378,7 +378,7 @@ def is_apart(
     Args:
         before: map_T_base of the first pose.
         after: match that gives the second pose.
-        covariance: (3, 3) of their difference if the base has not moved, in [m, m, rad].
+        covariance: (3, 3) of their difference on the map if the base has not moved, in [m, m, rad].
         field: likelihood field of the map.
         surface_error: error of the map's surfaces, in [m].
     """

@@ -68,8 +68,8 @@ class UnmappedSurroundings:
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].
             found: pose at which the scan fits the keyframes.
-            map_error: (3, 3) factor W; W Wᵀ is the part of the covariance of `found` that comes from the
-                map's error.
+            map_error: (3, 3) factor W with rows for x, y on the map in [m] and heading in [rad]; W Wᵀ is the
+                part of the covariance of `found` that comes from the map's error.
         """
         worst = float(np.linalg.eigvalsh(found.covariance[:2, :2])[-1])
         if worst > PARTIAL_SIGMA_M**2 or found.covariance[2, 2] > PARTIAL_SIGMA_RAD**2:
@@ -95,7 +95,7 @@ class UnmappedSurroundings:
             points: (n, 2) end points in the base frame, in [m].
             before: map_T_base before the scan corrected it.
             pose: map_T_base.
-            covariance: (3, 3) of the pose: x, y in [m], heading in [rad].
+            covariance: (3, 3) of the pose: x, y on the map in [m], heading in [rad].
         """
         if differs(before, pose, SHIFT_M, SHIFT_RAD):
             self.layer.clear()

@@ -27,7 +27,12 @@ def rolled_motion(left: float, right: float, sideways: float, tread: float) -> P
 
 @compiled
 def same_ranges(one: FloatArray, other: FloatArray) -> bool:
-    """Return whether all ranges are the same to the last bit; NaN is the same as NaN."""
+    """Return whether all ranges are the same to the last bit; NaN is the same as NaN.
+
+    Args:
+        one: (n,) ranges of a scan, in [m].
+        other: (m,) ranges of another scan, in [m].
+    """
     if len(one) != len(other):
         return False
     for i in range(len(one)):
@@ -41,7 +46,7 @@ def beam_step(angles: FloatArray) -> float:
     """Return the angle between neighbouring beams, in [rad]; 0 for a single beam.
 
     Args:
-        angles: (n,) angles of the beams at even steps, in [rad].
+        angles: (n,) angles of the beams at even steps, in any one frame, in [rad].
     """
     count = len(angles)
     return (angles[count - 1] - angles[0]) / max(1, count - 1) if count else 0.0

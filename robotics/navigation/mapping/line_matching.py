@@ -58,8 +58,8 @@ def match_surfaces(
         reference: surface to fit to.
         moved: surface whose pose in the reference frame is sought.
         start: estimated reference_T_moved.
-        prior: (3, 3) information matrix of `start`, in [1/m²] and [1/rad²], also added to that of the result;
-            None for an unknown start.
+        prior: (3, 3) information matrix of `start`, x, y and heading in the reference frame, in [1/m²] and
+            [1/rad²], also added to that of the result; None for an unknown start.
         gates: decreasing distances, in [m], up to which points of both surfaces are paired.
     """
     trust = np.zeros((3, 3)) if prior is None else prior

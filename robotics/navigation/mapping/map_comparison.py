@@ -50,7 +50,7 @@ class MapComparison(NamedTuple):
         other map.
 
         Args:
-            distances: (n,) `first` or `second`.
+            distances: (n,) `first` or `second`, in [m].
         """
         known = distances[np.isfinite(distances)]
         near = known[known <= SAME_WALL_M]

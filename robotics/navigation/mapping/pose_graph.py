@@ -58,8 +58,10 @@ def optimize(poses: FloatArray, edges: list[Edge], robust: bool = True) -> Float
     """Return the most likely poses (n, 3) of a graph's nodes, given its edges; the first pose stays
     unchanged.
 
+    They have the frame and units of `poses`.
+
     Args:
-        poses: (n, 3) x, y in [m], heading in [rad], of each node, near the solution.
+        poses: (n, 3) x, y in [m], heading in [rad], of each node in the graph's frame, near the solution.
         edges: measured relative poses; each node is reached from the first one.
         robust: True to reduce the weight of loop closures that contradict the other edges.
     """
@@ -97,7 +99,7 @@ def edge_errors(poses: FloatArray, edges: list[Edge]) -> FloatArray:
     unit.
 
     Args:
-        poses: (n, 3) x, y in [m], heading in [rad].
+        poses: (n, 3) of the nodes in the graph's frame: x, y in [m], heading in [rad].
         edges: measured relative poses.
     """
     if not edges:
@@ -114,7 +116,7 @@ def covariances(poses: FloatArray, edges: list[Edge]) -> FloatArray:
     Rows are x, y in [m] and heading in [rad].
 
     Args:
-        poses: (n, 3) x, y in [m], heading in [rad].
+        poses: (n, 3) of the nodes in the graph's frame: x, y in [m], heading in [rad].
         edges: measured relative poses.
     """
     factor = factorized(poses, edges)
@@ -133,10 +135,11 @@ def covariances(poses: FloatArray, edges: list[Edge]) -> FloatArray:
 def factorized(poses: FloatArray, edges: list[Edge]) -> Any:
     """Return the factorized information matrix (3n, 3n), in [1/m²] and [1/rad²].
 
-    The `solve` method of the result returns columns of the covariance.
+    Its rows are x, y and heading of each pose in the graph's frame. The `solve` method of the
+    result returns columns of the covariance.
 
     Args:
-        poses: (n, 3) x, y in [m], heading in [rad].
+        poses: (n, 3) of the nodes in the graph's frame: x, y in [m], heading in [rad].
         edges: measured relative poses.
     """
     from scipy.sparse.linalg import splu
@@ -151,7 +154,7 @@ def relative_covariances(factor: Any, poses: FloatArray, node: int, diagonal: Fl
 
     Args:
         factor: factorized information matrix (3n, 3n) of all poses, returned by `factorized`.
-        poses: (n, 3) of the nodes: x, y in [m], heading in [rad].
+        poses: (n, 3) of the nodes in the graph's frame: x, y in [m], heading in [rad].
         node: number of the node that the others are relative to.
         diagonal: (n, 3, 3) covariance of each pose relative to the first one.
     """

@@ -68,7 +68,7 @@ def fit_surface(points: FloatArray, origin: FloatArray) -> Surface:
     Each point is moved onto its line, so that the noise of a single beam averages out.
 
     Args:
-        points: (n, 2) where beams ended, in the order of their angles, in [m].
+        points: (n, 2) where beams ended, in any one frame, in the order of their angles, in [m].
         origin: (2,) position of the sensor in the same frame, in [m].
     """
     if len(points) < MIN_LINE_POINTS:

@@ -87,7 +87,8 @@ def nearest_square(
     """Return the distance of a point to the nearest solid cell, and x and y of the nearest spot of that cell.
 
     Cells are square. They are searched in rings around the point, beginning at the least distance that
-    `between_centres` allows. All results are in [cells]; x and y are NaN if no cell is solid.
+    `between_centres` allows. All results are in [cells], x and y from the map's lower-left corner; these are
+    NaN if no cell is solid.
 
     Args:
         solid: (h, w) True for solid cells.

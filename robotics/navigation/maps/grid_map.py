@@ -99,7 +99,7 @@ def from_occupancy(values: Int8Array, resolution: float, origin: tuple[float, fl
     Args:
         values: (h, w) in percent, row 0 at the bottom.
         resolution: side of a cell, in [m].
-        origin: lower-left corner, in [m].
+        origin: lower-left corner in the map frame, in [m].
     """
     occupied = values == OCCUPIED_VALUE
     return GridMap(occupied, ~occupied & (values != FREE_VALUE), resolution, origin[0], origin[1])

@@ -55,8 +55,8 @@ def _any_of(cells: BoolArray, factor: int, beyond: bool) -> BoolArray:
 
 
 def with_cells_at(grid: GridMap, points: FloatArray) -> GridMap:
-    """Return a map on which the cells that contain given points (n, 2), in [m], are occupied; others stay
-    unchanged.
+    """Return a map on which the cells that contain points (n, 2) on the map, in [m], are occupied; others
+    stay unchanged.
     """
     if not len(points):
         return grid
@@ -67,7 +67,13 @@ def with_cells_at(grid: GridMap, points: FloatArray) -> GridMap:
 
 
 def is_within(grid: GridMap, points: FloatArray, margin: float) -> BoolArray:
-    """Return a mask (n,), True for points (n, 2) at least `margin` inside the edge of a map, all in [m]."""
+    """Return a mask (n,), True for points that are at least a margin inside the edge of a map.
+
+    Args:
+        grid: the map.
+        points: (n, 2) in the map frame, in [m].
+        margin: distance from the edge, in [m].
+    """
     low = np.array([grid.origin_x, grid.origin_y])
     high = low + np.array(grid.occupied.shape[::-1]) * grid.resolution
     within: BoolArray = np.all((points >= low + margin) & (points <= high - margin), axis=1)

@@ -118,8 +118,8 @@ class ScanLayer:
     def restore(self, cells: FloatArray) -> None:
         """Set cells to the rows (n, 4) that `cells` returned; other cells keep their scores.
 
-        Rows are x, y in [m], score, and time in [s]. They may come from a layer on another map of the same
-        frame; cells outside this map are ignored.
+        Rows are x, y on the map in [m], score, and time in [s]. They may come from a layer on another map of
+        the same frame; cells outside this map are ignored.
         """
         inside = cells[self._grid.inside(cells[:, :2])] if len(cells) else cells
         rows, columns = self._grid.to_cell(inside[:, :2]).T

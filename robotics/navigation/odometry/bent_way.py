@@ -44,7 +44,7 @@ class BentWay(_BentSums):
 
     @cached_property
     def covariance(self) -> FloatArray:
-        """Covariance (2, 2) of x and y by the second-order errors, in [m²]."""
+        """Covariance (2, 2) of x and y on the map by the second-order errors, in [m²]."""
         return np.asarray(self.rest.T @ self.rest + self.crossed[1:, 1:])
 
     def stepped(self, x: float, y: float, variance: float, slip: float) -> Self:
@@ -67,8 +67,8 @@ class BentWay(_BentSums):
         """Return the sums after the pose was corrected by a measurement.
 
         Args:
-            kept: (3, 3) matrix that maps the error of x, y and heading before the correction to the error
-                that remains.
+            kept: (3, 3) matrix that maps the error of x, y on the map in [m] and heading in [rad] before the
+                correction to the error that remains.
         """
         still = np.zeros((3, 3))
         still[0, 0], still[1:, 1:] = kept[2, 2], kept[:2, :2]

@@ -89,7 +89,7 @@ def odometry_of(pose: Pose2, tread: float, errors: OdometryErrors, covariance: F
         pose: map_T_base at the start.
         tread: distance of the wheels, in [m].
         errors: errors of the wheels.
-        covariance: (3, 3) of the pose, x, y in [m] and heading in [rad]; None: exact.
+        covariance: (3, 3) of the pose, x, y on the map in [m] and heading in [rad]; None: exact.
     """
     kind = Odometry if errors.sideways is None else HolonomicOdometry
     return kind(pose, tread, errors, covariance)

@@ -127,7 +127,7 @@ class Odometry:
 
         Args:
             pose: map_T_base.
-            covariance: (3, 3) of x, y in [m] and heading in [rad]; None: exact.
+            covariance: (3, 3) of x, y on the map in [m] and heading in [rad]; None: exact.
         """
         self.pose = pose
         self._state[:3] = 0.0
@@ -143,7 +143,7 @@ class Odometry:
 
         Args:
             pose: map_T_base.
-            added: (3, 3) covariance of the shift: x, y in [m] and heading in [rad].
+            added: (3, 3) covariance of the shift: x, y on the map in [m] and heading in [rad].
         """
         self.pose = pose
         self._state[:3, :3] += added
@@ -221,9 +221,9 @@ class Odometry:
 
         Args:
             pose: map_T_base.
-            covariance: (3, 3) covariance of the better estimate: x, y in [m] and heading in [rad].
-            kept: (3, 3) matrix that maps the prior's error to the error that remains: identity less the gain.
-                None: that of an optimal filter with this covariance.
+            covariance: (3, 3) of the better estimate: x, y on the map in [m] and heading in [rad].
+            kept: (3, 3) matrix that maps the prior's error, along the same axes, to the error that remains:
+                identity less the gain. None: that of an optimal filter with this covariance.
         """
         prior = self._state[:3, :3] + _LEAST
         gain = lapack_solved(prior, self._state[:3]).T  # (6, 3): effect of a change of the pose on all states

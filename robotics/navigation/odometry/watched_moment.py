@@ -75,7 +75,7 @@ class WatchedMoment(NamedTuple):
         """Return the moment after a filter update by readings that depend on the present states.
 
         Args:
-            covariance: (n, n) of the present states before the readings.
+            covariance: (n, n) of the present states before the readings, in their units squared.
             rows: (m, n) derivative of the readings by the present states.
             residual: (m,) readings less their expected values, in their unit.
             variance: variance of each reading, in its unit squared.
@@ -140,7 +140,7 @@ def mixed(beliefs: Sequence[Belief], weights: FloatArray) -> Belief:
     """Return mean and covariance of a mixture of beliefs.
 
     Args:
-        beliefs: k beliefs of the same states.
+        beliefs: k beliefs of the same n states, in any units.
         weights: (k,) probabilities; their sum is 1.
     """
     means, covariances = (

@@ -161,7 +161,7 @@ def went_on(
 
     Args:
         mean: (13,) states before the step, in SI units.
-        covariance: (13, 13) before the step.
+        covariance: (13, 13) of the states before the step, in SI units.
         advance: (6,) fields of an `Advance`: forward in [m], turn and drift in [rad], time and rest in [s],
             still in [rad].
         new_leg: True if the base changed its direction of driving.
@@ -218,9 +218,9 @@ def carried(covariance: FloatArray, transition: FloatArray, added: FloatArray) -
     """Return the covariance (13, 13) of the states of `FieldModel` after a step, in SI units squared.
 
     Args:
-        covariance: (13, 13) before the step.
+        covariance: (13, 13) of the states before the step, in SI units.
         transition: (13, 13) derivative of the states after the step by the states before it.
-        added: (13,) variances that the step adds.
+        added: (13,) variances that the step adds, in SI units.
     """
     out = transition @ covariance @ transition.T
     for i in range(len(added)):
@@ -238,7 +238,7 @@ def corrected(
 
     Args:
         mean: (13,) states, in SI units.
-        covariance: (13, 13) of the states.
+        covariance: (13, 13) of the states, in SI units.
         rows: (m, 13) derivative of the readings by the states.
         residual: (m,) readings less their forecast, in their unit.
         variance: variance of each reading, in its unit squared.

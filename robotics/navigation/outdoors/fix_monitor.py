@@ -96,8 +96,8 @@ def whitened(residual: FloatArray, covariance: FloatArray) -> FloatArray:
     1.
 
     Args:
-        residual: (2,) residual of a fix, in [m].
-        covariance: (2, 2) covariance of the residual, in [m²].
+        residual: (2,) residual of a fix, along x and y of the field's frame, in [m].
+        covariance: (2, 2) of the residual along the same axes, in [m²].
     """
     a = math.sqrt(covariance[0, 0])
     b = covariance[1, 0] / a

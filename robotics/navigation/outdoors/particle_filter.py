@@ -106,7 +106,7 @@ class ParticleFilter(FieldLocalizer):
 
     @property
     def covariance(self) -> FloatArray:
-        """Covariance (3, 3) of the particles: x, y in [m], heading in [rad]."""
+        """Covariance (3, 3) of the particles' x, y in [m] and heading in [rad], in the field's frame."""
         return self._covariance.copy()
 
     @property

@@ -18,7 +18,7 @@ def aligned_spread(errors: FloatArray, targets: FloatArray) -> FloatArray:
     precision, not accuracy.
 
     Args:
-        errors: (n, 2) placed points less their targets, in [m].
+        errors: (n, 2) placed points less their targets, along x and y of any one frame, in [m].
         targets: (n, 2) in the same frame, in [m].
     """
     laid = targets + errors
@@ -35,7 +35,7 @@ def nees(errors: FloatArray, covariances: FloatArray) -> FloatArray:
     They are 2 on average if the covariances are right.
 
     Args:
-        errors: (n, 2) errors in x and y, in [m].
-        covariances: (n, 2, 2) estimated covariance of each error, in [m²].
+        errors: (n, 2) errors in x and y of any one frame, in [m].
+        covariances: (n, 2, 2) estimated covariance of each error along the same axes, in [m²].
     """
     return np.asarray(np.einsum("ni,nij,nj->n", errors, np.linalg.inv(covariances), errors))

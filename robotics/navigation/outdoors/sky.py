@@ -40,9 +40,9 @@ class Sky(NamedTuple):
 
         Args:
             transition: (13, 13) transition matrix of the change; None: no change.
-            spread: (13, 13) covariance of the states after the change, in SI units.
-            rows: (2, 13) derivative of a fix by the states.
-            residual: (2,) fix less its forecast, in [m].
+            spread: (13, 13) covariance of the states of `FieldModel` after the change, in SI units.
+            rows: (2, 13) derivative of a fix by the states, in SI units.
+            residual: (2,) fix less its forecast, along x and y of the field's frame, in [m].
             variance: variance of the fix along each axis, in [m²].
             log_share: logarithm of the change's probability.
         """
@@ -55,8 +55,8 @@ def leapt(covariance: FloatArray, jump: float) -> FloatArray:
     """Return the covariance (13, 13) of the states after a jump of the GNSS error to an unknown value.
 
     Args:
-        covariance: (13, 13) of the states before the jump, in SI units.
-        jump: standard deviation of the jump along each axis, in [m].
+        covariance: (13, 13) of the states of `FieldModel` before the jump, in SI units.
+        jump: standard deviation of the jump along each axis of the field's frame, in [m].
     """
     out = covariance.copy()
     for state in (GPS_X, GPS_Y):
@@ -71,8 +71,8 @@ def log_normal(residual: FloatArray, covariance: FloatArray) -> float:
     """Return the logarithm of the normal density of a residual, with mean zero and given covariance.
 
     Args:
-        residual: (2,) residual, in [m].
-        covariance: (2, 2) of the residual, in [m²].
+        residual: (2,) residual along x and y of any one frame, in [m].
+        covariance: (2, 2) of the residual along the same axes, in [m²].
 
     Raises:
         ValueError: the covariance is not positive definite.

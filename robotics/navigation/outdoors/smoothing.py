@@ -72,7 +72,7 @@ class TrackRecord:
         """Record readings that the filter is about to use.
 
         Args:
-            covariance: (n, n) of the present states before the readings.
+            covariance: (n, n) of the present states before the readings, in SI units.
             rows: (m, n) derivative of the readings by the states.
             residual: (m,) readings less their forecast, in their unit.
             variance: variance of each reading, in its unit squared.

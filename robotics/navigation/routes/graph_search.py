@@ -98,7 +98,7 @@ def in_sight(
     Args:
         squares: blocked squares of the map.
         need: clearance of the line to the graph, in [cells].
-        cells: (c, 2) cells of the graph.
+        cells: (c, 2) row and column of the cells of the graph.
         edge_of: (c,) number of the edge of each cell.
         cell: row and column of the given cell, which is free.
         edges: number of different edges to find.

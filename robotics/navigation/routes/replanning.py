@@ -111,7 +111,17 @@ class Replanner:
         lead: float = 0.0,
         better: bool = True,
     ) -> Generator[None, None, RouteLook]:
-        """Decide as `look` does, as a generator; a step takes about as long as building a Voronoi graph."""
+        """Decide as `look` does, as a generator; a step takes about as long as building a Voronoi graph.
+
+        Args:
+            grid: the map with the sensed obstacles.
+            start: map_T_base.
+            goal: map_T_base at the goal.
+            front: (2, 2) ends of a straight front on the map, in [m]; None: the goal has no front.
+            route: (n, 2) rest of the old route, from the robot on, on the map, in [m]; None: no old route.
+            lead: length of the old route that a new route has to keep, in [m].
+            better: True to look for another route although the old one is free.
+        """
         squares = self._squares_of(grid)
         clearance = squares.distance[1:-1, 1:-1] * np.float32(grid.resolution)
         speeds = RoomSpeeds(grid, clearance, self._radius, self._speeds)

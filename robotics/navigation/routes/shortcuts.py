@@ -38,7 +38,7 @@ def _stretches(path: FloatArray) -> FloatArray:
 
 
 def path_length(path: FloatArray) -> float:
-    """Return the length of a path (n, 2), in the unit of its points."""
+    """Return the length of a path (n, 2) in any one frame, in the unit of its points."""
     total = 0.0
     for length in _stretches(path).tolist():
         total += length
@@ -51,11 +51,11 @@ def sampled(path: FloatArray, spacing: float) -> FloatArray:
     Repeated points are removed.
 
     Args:
-        path: (n, 2) in any one unit.
+        path: (n, 2) in any one frame and unit.
         spacing: largest distance of neighbours, in the same unit.
 
     Returns:
-        (m, 2) in the same unit.
+        (m, 2) in the same frame and unit.
     """
     parts = np.ceil(_stretches(path) / spacing).astype(np.int64)
     of = np.repeat(np.arange(len(parts)), parts)
@@ -81,8 +81,8 @@ def _evenly(path: FloatArray, spacing: float) -> IntArray:
 def straightened(
     price: SingleArray, haste: float, squares: BlockedSquares, need: float, path: FloatArray
 ) -> FloatArray:
-    """Return the corners (k, 2), in [cells], of the cheapest chain of straight lines between samples of a
-    path.
+    """Return the corners (k, 2), row and column in [cells], of the cheapest chain of straight lines between
+    samples of a path.
 
     The chain is found by dynamic programming. Each line keeps the clearance `need` from blocked squares.
     Where not even two successive samples can be joined by such a line, the path is followed from one to the
@@ -147,8 +147,8 @@ def _leaps(
 
 @compiled
 def around_corners(free: BoolArray, squares: BlockedSquares, need: float, way: IntArray) -> FloatArray:
-    """Return a path (m, 2), in [cells], in which diagonal steps that pass a blocked corner too closely are
-    replaced.
+    """Return a path (m, 2), row and column in [cells], in which diagonal steps that pass a blocked corner too
+    closely are replaced.
 
     Each such step leads over a neighbouring free cell instead.
 
@@ -177,7 +177,7 @@ def around_corners(free: BoolArray, squares: BlockedSquares, need: float, way: I
 
 @compiled
 def rounded(squares: BlockedSquares, need: float, path: FloatArray, rounds: int, roomy: float) -> FloatArray:
-    """Return an evenly sampled path (n, 2) with rounded corners and the same ends, in [cells].
+    """Return an evenly sampled path (n, 2) with rounded corners and the same ends, row and column in [cells].
 
     Each sample moves towards the middle of its neighbours, unless the line to one of them would then have
     less clearance than `need`, or less than the least clearance of the path.

@@ -66,7 +66,8 @@ def _theta_star(
 def shortest_path(free: BoolArray, start: IntArray, goal: IntArray) -> IntArray | None:
     """Return the corners (k, 2) of a nearly shortest path between two cells, or None if none exists.
 
-    The robot counts as a point: the path stays within free cells, but may touch their border or corners.
+    Each corner is the row and column of a cell. The robot counts as a point: the path stays within
+    free cells, but may touch their border or corners.
 
     Args:
         free: (h, w) cells that the path may use.
@@ -85,6 +86,8 @@ def shortest_clear_path(
 ) -> IntArray | None:
     """Return the corners (k, 2) of a nearly shortest path for a robot that has a size, or None if none
     exists.
+
+    Each corner is the row and column of a cell.
 
     Args:
         free: (h, w) cells at whose centres the path may bend.

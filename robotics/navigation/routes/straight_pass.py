@@ -24,11 +24,13 @@ def straight_passes(
 ) -> list[FloatArray]:
     """Return routes that lead straight through the middle of a narrow place, the longest straight one first.
 
+    Each is (k, 2) on the map, in [m].
+
     Args:
         grid: the map; unknown cells count as blocked.
         shape: polygon of the footprint.
-        points: (n, 2) route in [m].
-        spot: (2,) point of the route where the place is narrow, in [m].
+        points: (n, 2) route on the map, in [m].
+        spot: (2,) point of the route on the map where the place is narrow, in [m].
     """
     nearest = int(np.argmin(np.hypot(*(points - spot).T)))
     heading = float(travel_headings(points)[nearest])

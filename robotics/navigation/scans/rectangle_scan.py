@@ -78,7 +78,7 @@ def fit_rectangle(
         size: size of the rectangle along its x and y, in [m].
         expected: expected pose of its middle in the base frame; the result is within `GATE_M` and
             `MAX_TURN_RAD` of it.
-        covariance: (3, 3) of the expected pose, x, y in [m] and heading in [rad].
+        covariance: (3, 3) of the expected pose, x, y in the base frame in [m] and heading in [rad].
         sigma: noise of a range, in [m].
     """
     rays = _averaged(scans, sigma)

@@ -23,7 +23,7 @@ def disagreement(then: FloatArray, now: FloatArray) -> float:
     far away it is.
 
     Args:
-        then: (n, 2) points of the earlier scan, in the order of their beams, in [m].
+        then: (n, 2) points of the earlier scan, in any one frame, in the order of their beams, in [m].
         now: (m, 2) points in the same frame, in [m].
     """
     if len(then) < 2 or not len(now):

@@ -174,7 +174,7 @@ def rises(
         rays: (k, 2) unit vectors on the map.
         steps: (n,) shifts along each of them, in [m].
         every: only points whose number is a multiple of this are used.
-        origin: lower-left corner of the map, in [m].
+        origin: lower-left corner of the map in its frame, in [m].
         resolution: side of a cell, in [m].
         facing: (k, h, w) distances of the cells to the nearest surface, as `LikelihoodField.facing`, in steps
             of 1 / `STEPS_PER_CELL` cells.
@@ -289,7 +289,7 @@ def unrelated(covariance: FloatArray, seen: ScanEvidence) -> FloatArray:
     direction too.
 
     Args:
-        covariance: (3, 3) of x, y in [m] and heading in [rad].
+        covariance: (3, 3) of x, y on the map in [m] and heading in [rad].
         seen: the scan's evidence; if its share is above 0, the scan determines all directions, and the
             covariance is returned unchanged.
     """

@@ -37,14 +37,14 @@ class ScanMatch(NamedTuple):
     pose: Pose2
     """map_T_base."""
     covariance: FloatArray
-    """(3, 3) of x, y in [m] and heading in [rad]; prior, sensor noise and the map's error all in it."""
+    """(3, 3) of x, y on the map in [m] and heading in [rad], by prior, sensor noise and the map's error."""
     map_error: FloatArray
     """(3, 3) factor W of the map's share W Wᵀ in `covariance`, rows as there; the same at one place."""
     kept: FloatArray
     """Matrix (3, 3) from the prior's error (x, y, heading) to its part in the pose; 0 by the scan alone."""
     spread: FloatArray
-    """Covariance (3, 3) of matches from one place, without the error of the map's cells, and with the noise
-    that the scan shows if that is more than the stated noise."""
+    """Covariance (3, 3) of matches from one place, in the units of `covariance`, without the error of the
+    map's cells, and with the noise that the scan shows if that is more than the stated noise."""
     evidence: ScanEvidence
     """Information of this scan alone about the direction that it determines worst."""
     inliers: float
@@ -115,12 +115,12 @@ def match_scan(
         field: likelihood field of the map.
         points: (n, 2) end points of the beams in the base frame, in [m].
         prior: map_T_base by odometry.
-        prior_covariance: (3, 3) of the prior, in [m, m, rad].
+        prior_covariance: (3, 3) of the prior, x, y on the map in [m] and heading in [rad].
         sigma: noise of a range, in [m].
         anneal: True to start from far: up to about 0.3 m and 10 degrees off. The robust scale then shrinks
             slowly and the prior counts only at the end.
-        map_error: (3, 3) factor W; W Wᵀ is the part of `prior_covariance` that comes from the map's error;
-            None: zero.
+        map_error: (3, 3) factor W with rows for x, y on the map in [m] and heading in [rad]; W Wᵀ is the part
+            of `prior_covariance` that comes from the map's error; None: zero.
         before: evidence of the previous scan, at about the same place, which has to confirm the evidence of
             this scan.
     """
@@ -236,7 +236,7 @@ def descend_scan(
         points: (n, 2) points of the scan in the base frame, in [m].
         start: (3,) pose at which the iteration begins.
         prior: (3,) expected pose.
-        information: (3, 3) of the expected pose, in [1/m²] and [1/rad²].
+        information: (3, 3) of the expected pose, x, y on the map and heading, in [1/m²] and [1/rad²].
         direction: (2,) unit vector on the map along which the scan has less information.
         share: share of the scan's information about the position along `direction` that is kept.
         origin: x, y of the map's lower-left cell centre, in [m].
@@ -245,7 +245,7 @@ def descend_scan(
         noise: sigma of a range, in [m].
 
     Returns:
-        The pose (3,), and its information (3, 3) in [1/m²] and [1/rad²].
+        The pose (3,), and its information (3, 3) along the same axes, in [1/m²] and [1/rad²].
     """
     pose, off = np.empty(3), np.empty(3)
     moved, total = np.empty((len(points), 2)), np.empty((3, 3))

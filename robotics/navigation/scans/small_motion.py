@@ -65,7 +65,7 @@ def drift(times: FloatArray, motions: FloatArray, references: int) -> FloatArray
 
     Args:
         times: (k,) times since the reference, ascending, in [s].
-        motions: (k, 3) motions of single scans since the reference: x, y in [m] and heading in [rad].
+        motions: (k, 3) reference_T_sensor of single scans: x, y in [m] and heading in [rad].
         references: number of scans over which the reference was averaged.
     """
     scale = max(float(times[-1]), 1e-9)

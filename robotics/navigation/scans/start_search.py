@@ -219,8 +219,8 @@ def score_poses(
 
     Args:
         distance: (h, w) of each cell to the nearest surface, in [m].
-        cells: (n, 2) row and column of the base.
-        turns: (m,) headings in [rad].
+        cells: (n, 2) row and column of the base on the map.
+        turns: (m,) headings on the map, in [rad].
         points: (k, 2) of the scan in the base frame, in [cells].
         scale: half the distance beyond which a point counts nothing, in [m].
     """

@@ -18,7 +18,7 @@ def predict(
     """Return predicted means (n, 4) and covariances (n, 4, 4) of tracks after a time, at constant velocity.
 
     Args:
-        means: (n, 4) x, y on the map in [m] and velocity in [m/s].
+        means: (n, 4) x, y on the map in [m] and velocity along them in [m/s].
         covariances: (n, 4, 4) of the means, in their units.
         dt: time, in [s].
         density: power density of the white acceleration along each axis, in [m²/s³].
@@ -41,10 +41,10 @@ def assign(
     Pairs whose distance is implausible are left out.
 
     Args:
-        means: (n, 4) predicted x, y on the map in [m] and velocity in [m/s].
+        means: (n, 4) predicted x, y on the map in [m] and velocity along them in [m/s].
         covariances: (n, 4, 4) of the means, in their units.
         measured: (m, 2) positions on the map, in [m].
-        noises: (m, 2, 2) covariance of each measured position, in [m²].
+        noises: (m, 2, 2) covariance of each measured position along the same axes, in [m²].
     """
     if not len(means) or not len(measured):
         return []
@@ -65,10 +65,10 @@ def correct(
     """Return corrected means (n, 4) and covariances (n, 4, 4) of tracks, each by its own measured position.
 
     Args:
-        means: (n, 4) x, y on the map in [m] and velocity in [m/s].
+        means: (n, 4) x, y on the map in [m] and velocity along them in [m/s].
         covariances: (n, 4, 4) of the means, in their units.
         measured: (n, 2) measured position of each track on the map, in [m].
-        noises: (n, 2, 2) covariance of each measured position, in [m²].
+        noises: (n, 2, 2) covariance of each measured position along the same axes, in [m²].
     """
     spread = covariances[:, :2, :2] + noises
     gain = covariances[:, :, :2] @ np.linalg.inv(spread)

@@ -137,7 +137,7 @@ class MovingTracks:
             points: (n, 2) end points of beams that meet nothing shown on the map, in the map frame, in the
                 order of the beams, in [m].
             scan: all beams, with their time and the pose of the lidar.
-            pose_covariance: (3, 3) of the base's pose: x, y in [m], heading in [rad].
+            pose_covariance: (3, 3) of the base's pose: x, y on the map in [m], heading in [rad].
         """
         sensor = np.array(scan.map_T_sensor[:2])
         near = np.hypot(*(points - sensor).T) <= self._reach

@@ -53,8 +53,8 @@ class People(NamedTuple):
     def rows(self) -> FloatArray:
         """Table (p, 7) of all people for pictures.
 
-        Columns are x, y on the map in [m], the velocity in [m/s], and xx, xy, yy of the position's
-        covariance in [m²].
+        Columns are x, y on the map in [m], the velocity along them in [m/s], and xx, xy, yy of the
+        position's covariance in [m²].
         """
         return np.hstack([self.positions, self.velocities, self.covariances[:, [0, 0, 1], [0, 1, 1]]])
 

@@ -60,8 +60,8 @@ def draw_overlay(
         camera: model of the camera.
         camera_T_shelf: (4, 4) pose of the shelf.
         landmarks: landmarks, drawn with their centres.
-        outlines: polygons (n, 2) in [px], drawn closed.
-        points: (n, 2) in [px], drawn as small circles.
+        outlines: polygons (n, 2), column and row in [px], drawn closed.
+        points: (n, 2) column and row in [px], drawn as small circles.
     """
     picture = np.asarray(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR), dtype=np.uint8)
     words: list[_Box] = []

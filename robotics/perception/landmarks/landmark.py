@@ -75,7 +75,7 @@ def square_corners(side: float) -> FloatArray:
 
 
 def diagonals_meet(corners: FloatArray) -> FloatArray:
-    """Return the point (2,) where the diagonals of a quadrangle (4, 2) meet, in the unit of the corners."""
+    """Return the point (2,) where the diagonals of a quadrangle (4, 2) meet, in its frame and unit."""
     a, b, c, d = corners
     along, across, start = c - a, d - b, b - a
     share = (start[0] * across[1] - start[1] * across[0]) / (along[0] * across[1] - along[1] * across[0])

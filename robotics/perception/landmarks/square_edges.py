@@ -40,7 +40,7 @@ def fit_square(image: ByteArray, camera: CameraModel, guess: FloatArray) -> Squa
     Args:
         image: (h, w), grey.
         camera: model of the camera.
-        guess: (4, 2) corners, clockwise as seen, at most 8 px off, in [px].
+        guess: (4, 2) column and row of the corners, clockwise as seen, at most 8 px off, in [px].
     """
     ends = _coarse_corners(image, camera, guess)
     return None if ends is None else _fine(image, camera, ends)

@@ -24,7 +24,7 @@ OUTLINE_SAMPLE_COUNT = 72  # along the outline, for its coverage
 
 
 class OutlineFit(NamedTuple):
-    """Pose of an outline."""
+    """Pose of an outline in the frame of the points to which it was fitted."""
 
     x: float
     """Position of the outline's middle along x, in [m]."""
@@ -35,7 +35,7 @@ class OutlineFit(NamedTuple):
     inset: float
     """Distance of the points inwards from the outline, in [m]."""
     covariance: FloatArray
-    """(3, 3) of x, y in [m] and heading in [rad]; a circle's heading has a very large variance."""
+    """(3, 3) of x, y in [m] and heading in [rad], as above; a circle's heading has a very large variance."""
     rms: float
     """Root mean square of the residuals, in [m]."""
     coverage: float

@@ -107,7 +107,8 @@ def _cluster(points: FloatArray, border: BoolArray, views: Sequence[OverSurface]
 def outline_of(points: FloatArray, cell: float) -> FloatArray | None:
     """Return the outline (k, 2) of the largest connected patch of points; None if there is no patch.
 
-    Points are rounded to a grid, and neighbouring cells of the grid are connected.
+    Points are rounded to a grid, and neighbouring cells of the grid are connected. The outline has the frame
+    and unit of the points.
 
     Args:
         points: (n, 2) in any one frame, in [m].
