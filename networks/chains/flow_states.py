@@ -73,8 +73,8 @@ class StateCodes:
 
         Args:
             state: the state.
-            mass: (3 or 6,) probability, and cost in [s] and [s²], of the runs that come to the state, as in
-                `FlowStates`.
+            mass: (3 or 6,) of the runs that come to the state, the probability, the cost in [s] and the
+                squared cost in [s²], or six numbers as in `FlowStates`.
         """
         counts = np.zeros((1, len(self._counters)), np.uint16)
         for counter, fails in state.fails:

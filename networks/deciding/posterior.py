@@ -81,7 +81,8 @@ class OutcomeCounts(NamedTuple):
 class SwitchVerdict(NamedTuple):
     """Comparison of the best policy with the rule, for many draws of the outcome probabilities.
 
-    The draws are from the posterior distribution, after the outcomes that were counted.
+    The rule always takes the cheapest route to the goal; a switch is from the rule to the best policy. The
+    draws are from the posterior distribution, after the outcomes that were counted.
     """
 
     better_share: float
@@ -127,6 +128,8 @@ def judge_policies(
     best: BestPolicy, draw: Callable[[], Sequence[Chances]], start: State, rule_steps: float
 ) -> SwitchVerdict:
     """Judge by draws of the outcome probabilities whether a best policy costs less than the rule.
+
+    The rule always takes the cheapest route to the goal.
 
     Args:
         best: the best policy for the mean outcome probabilities.

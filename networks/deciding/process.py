@@ -32,7 +32,7 @@ class ProcessOption(NamedTuple):
 class Process:
     """A network as a Markov decision process, whose options are the actions that can be started in a state.
 
-    A state is a situation together with the Fails of actions that a run can still start.
+    A state is a situation with the number of Fails so far of each action that a run can still start.
     """
 
     def __init__(self, network: ActionNetwork, chances: Chances, person_s: float) -> None:

@@ -126,8 +126,13 @@ class Track(ActionPrimitive):
         known.seam_work = work.done()
 
     def watch(self, robot: Robot, model: ModelView) -> None:
-        """Record an obstacle in the way of a driving base, so that DIVIDE plans around it, and raise
-        `Discrepancy`.
+        """Look for an obstacle in the way of the driving base.
+
+        One that is found is recorded in the model, so that the primitive DIVIDE plans the base's next poses
+        around it.
+
+        Raises:
+            Discrepancy: an obstacle is in the way.
         """
         if self._at is None or self._driven is None or self._monitor is None:
             return

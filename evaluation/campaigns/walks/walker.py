@@ -18,7 +18,10 @@ NO_ACTION = -1
 
 
 class Walked(NamedTuple):
-    """Record of n walks, with `steps` rows and a column for each walk."""
+    """Record of n walks, which are runs simulated by the network's probabilities alone.
+
+    Row i of an array (steps, n) holds action i of each walk.
+    """
 
     action: Int32Array
     """(steps, n) indices of the actions in the network, or `NO_ACTION`."""

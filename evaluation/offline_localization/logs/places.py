@@ -60,7 +60,7 @@ def repeated_rows(latitudes: FloatArray, longitudes: FloatArray) -> BoolArray:
 
     Args:
         latitudes: (n,) latitudes in [deg], or any first coordinate; NaN without a fix.
-        longitudes: (n,) longitudes or any second coordinate.
+        longitudes: (n,) longitudes in [deg], or any second coordinate.
     """
     rows = np.flatnonzero(np.isfinite(latitudes) & np.isfinite(longitudes))
     found = np.zeros(len(latitudes), dtype=bool)

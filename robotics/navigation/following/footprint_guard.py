@@ -86,8 +86,8 @@ class FootprintGuard:
             length: length of the arc, in [m]; below zero backwards.
             turn: turn along the arc, in [rad], positive to the left.
             view: field of view of the lidar; None if no cell of the map is in view.
-            direction: direction of travel, relative to the base's heading, in [rad]; the x axes of `pose` and
-                `scan` point in this direction.
+            direction: direction of travel, relative to the base's heading, in [rad]. If it is not 0, the
+                frame of `pose` and `scan` is the base frame turned by it.
         """
         shape = self._shape.turned(direction) if direction else self._shape
         view = view if view is None or not direction else view.turned(direction)

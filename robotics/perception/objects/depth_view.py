@@ -46,7 +46,7 @@ class OverSurface(NamedTuple):
 
 
 def depth_view(depth: SingleArray, camera: CameraModel, base_T_camera: Transform) -> DepthView:
-    """Return the points of a depth picture.
+    """Return the points (n, 3) of a depth picture in the base frame, in [m].
 
     Args:
         depth: (h, w) depths along the optical axis, in [m]; NaN without a reading.
