@@ -68,8 +68,7 @@ FINAL_APPROACH_M = 0.05  # before the goal, where it turns and stops
 
 
 class MoveTo(ActionPrimitive):
-    """Drive the base to a named place along the Voronoi graph, and dock in front of an object with a straight
-    front.
+    """Drive the base to a named place along the Voronoi graph, and dock before an object's straight front.
 
     Odometry is corrected by comparing scans with the map. A car drives arcs and straight lines past the
     rocks of its field, with its outdoor localization. MOVE_TO drives around unmapped obstacles as long as a

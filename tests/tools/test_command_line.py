@@ -48,6 +48,13 @@ def test_list(handcart: Callable[..., Said], what: str) -> None:
     assert expected[what] in handcart("list", what).out
 
 
+def test_list_shows_whole_sentences_of_primitives(handcart: Callable[..., Said]) -> None:
+    """The first line of each class's docstring is shown, so its first sentence has to end there."""
+    lines = handcart("list", "primitives").out.splitlines()
+    assert lines
+    assert [line for line in lines if not line.endswith(".")] == []
+
+
 def test_describe_names_parameters_with_their_meaning(handcart: Callable[..., Said]) -> None:
     said = handcart("describe", "MOVE_TO")
     assert "wait_s" in said.out
