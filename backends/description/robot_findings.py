@@ -72,6 +72,9 @@ def _positioning_findings(robot: RobotFile, document: Document) -> list[Finding]
     if robot.localizer in OUTDOOR_LOCALIZERS and robot.imu is None:
         wrong = f"{robot.localizer} asks the gyros; needed: the section `imu`, or scan or odometry"
         return [document.finding(("localizer",), wrong)]
+    if robot.localizer in ("particle", "gps_filter") and robot.gps is None:
+        wrong = f"{robot.localizer} corrects wheels by position fixes; needed: the section `gps`, or gyro"
+        return [document.finding(("localizer",), wrong)]
     blind = robot.localizer in ("gyro", "beacons")
     if blind and robot.gps is not None and robot.gps.start_heading_deg == "unknown":
         looks = f"the localizer {robot.localizer} looks at no fix that could tell it"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -43,3 +44,15 @@ def test_both_keys_are_one_too_many(file: Path) -> None:
     file.write_text(f"localizer: scan\n{text}", encoding="utf-8")
     with pytest.raises(FileError, match="unknown key 'localiser'"):
         load_robot(str(file))
+
+
+@pytest.mark.parametrize("localizer", ["gps_filter", "particle"])
+def test_a_filter_of_position_fixes_needs_a_gps(tmp_path: Path, localizer: str) -> None:
+    """Without one, its pose would never be known well enough for anything."""
+    path = Path(shutil.copytree(robot_path("el_verde").parent, tmp_path / "el_verde")) / "robot.yaml"
+    text = re.sub(r"^localizer: \w+", f"localizer: {localizer}", path.read_text(encoding="utf-8"), flags=re.M)
+    path.write_text(text, encoding="utf-8")
+    assert load_robot(str(path)).localizer == localizer
+    path.write_text(re.sub(r"^gps:.*\n(  .*\n)+", "", text, flags=re.M), encoding="utf-8")
+    with pytest.raises(FileError, match=rf"robot\.yaml:\d+:\d+: {localizer} corrects .* the section `gps`"):
+        load_robot(str(path))
