@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from handcart.files.extras import EXTRA_MODULES, lack
+from handcart.files.shown_path import shown_path
 from handcart.tools.terminal.libraries import IMPORT_NAMES, Requirement, check_libraries, required
 from tests.tools.conftest import Said
 
@@ -73,7 +74,7 @@ def test_a_base_asks_for_no_libraries_of_arms_and_labels(tmp_path: Path) -> None
 def test_a_task_for_an_arm_says_what_to_install(command: str) -> None:
     said = without((*ARM, *LABELS), command, RETURN_BOOK)
     assert (said.returncode, said.stdout) == (2, "")
-    assert re.search(rf"{re.escape(str(RETURN_BOOK))}:\d+:10: RECOGNIZE {re.escape(NEEDS_ARM)}$", said.stderr)
+    assert re.search(rf"{re.escape(shown_path(RETURN_BOOK))}:\d+:10: RECOGNIZE {re.escape(NEEDS_ARM)}$", said.stderr)
 
 
 @pytest.mark.slow
@@ -82,7 +83,7 @@ def test_a_robot_with_an_arm_says_what_to_install() -> None:
     file = ROOT / "backends" / "robots" / "librarian" / "robot.yaml"
     assert (said.returncode, said.stdout) == (2, "")
     *before, message = said.stderr.splitlines(keepends=True)
-    assert message.startswith(f"{file}:")
+    assert message.startswith(f"{shown_path(file)}:")
     assert message.endswith(f": an arm {NEEDS_ARM}")
     assert all(line.startswith("loading ") for line in before)  # said after a second, on a slow machine
 
