@@ -74,7 +74,8 @@ def test_a_base_asks_for_no_libraries_of_arms_and_labels(tmp_path: Path) -> None
 def test_a_task_for_an_arm_says_what_to_install(command: str) -> None:
     said = without((*ARM, *LABELS), command, RETURN_BOOK)
     assert (said.returncode, said.stdout) == (2, "")
-    assert re.search(rf"{re.escape(shown_path(RETURN_BOOK))}:\d+:10: RECOGNIZE {re.escape(NEEDS_ARM)}$", said.stderr)
+    file = re.escape(shown_path(RETURN_BOOK))
+    assert re.search(rf"{file}:\d+:10: RECOGNIZE {re.escape(NEEDS_ARM)}$", said.stderr)
 
 
 @pytest.mark.slow
