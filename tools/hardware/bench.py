@@ -122,8 +122,6 @@ def _serve_drives(
     channel = channel or (spec.can.channel if spec.can.interface == interface else MULTICAST)
     looks: list[Callable[[Bench], None]] = []
     with ExitStack() as opened:
-        if log is not None:
-            looks.append(_Log(opened.enter_context(_opened(log))))
         with ExitStack() as parts:  # closed here unless the bench owns them
             inner = None if backend is None else make_backend(backend, spec, world or _library(), seed)
             if inner is not None:
@@ -140,6 +138,8 @@ def _serve_drives(
             looks.append(lambda item: scans.send(item.time))
         for name, at, node in planned:
             inject(made, name, at, node)
+        if log is not None:  # last: a bench that is refused leaves the log of another one as it is
+            looks.append(_Log(opened.enter_context(_opened(log))))
         over, end = AskedToEnd(), None if seconds is None else time.monotonic() + seconds
         nodes = ", ".join(f"{name} {axis.node}" for name, axis in spec.can.axes())
         print(f"drives of {robot} on {interface} {channel}: {nodes}; Ctrl-C ends", flush=True)

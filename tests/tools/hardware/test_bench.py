@@ -106,3 +106,11 @@ def test_simulated_robot_is_closed_after_an_error(
     monkeypatch.setattr(KinematicBackend, "close", lambda self: closed.append(self))
     said = handcart("bench", "cart", "--backend", "kinematic", "--channel", "10.0.0.1")
     assert (said.status, len(closed)) == (2, 1)
+
+
+def test_a_refused_bench_leaves_a_log_as_it_is(handcart: Callable[..., Said], tmp_path: Path) -> None:
+    log = tmp_path / "bench.csv"
+    log.write_text("of another bench", encoding="utf-8")
+    for words in (("--channel", "10.0.0.1"), ("--channel", CHANNEL, "--range-port", "7000")):
+        assert handcart("bench", "cart", *words, "--log", str(log)).status == 2
+        assert log.read_text(encoding="utf-8") == "of another bench"
