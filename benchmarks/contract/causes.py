@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
+from contextlib import suppress
 from dataclasses import replace
 
 from handcart.evaluation.conformance.faults.fail_is_true import Batch, FaultTrial
@@ -56,27 +57,28 @@ def main() -> None:
     judged: Counter[str] = Counter()
     right: Counter[str] = Counter()
     lacking = 0
-    for robot in given.robots.split(","):
-        for batch in KitSetting(given.backend, robot, instants=given.instants).batches():
-            if chosen and batch.action not in chosen:
-                continue
-            print(f"{robot}, {batch}", flush=True)
-            for trial in seeded(batch, given.seed)():
-                if trial.names_its_cause is None:
+    with suppress(KeyboardInterrupt):  # report the faults until then
+        for robot in given.robots.split(","):
+            for batch in KitSetting(given.backend, robot, instants=given.instants).batches():
+                if chosen and batch.action not in chosen:
                     continue
-                judged[trial.kind] += 1
-                right[trial.kind] += bool(trial.names_its_cause)
-                derived = is_derived(trial)
-                lacking += not derived
-                if not trial.names_its_cause or not derived:
-                    word = "not derived" if not derived else "another cause"
-                    ended = f"{trial.ending.cause} ({trial.ending.reason})"
-                    print(f"  {word}: {trial.title}, {trial.fault}: {ended}", flush=True)
+                print(f"{robot}, {batch}; so far {right.total()} of {judged.total()}", flush=True)
+                for trial in seeded(batch, given.seed)():
+                    if trial.names_its_cause is None:
+                        continue
+                    judged[trial.kind] += 1
+                    right[trial.kind] += bool(trial.names_its_cause)
+                    derived = is_derived(trial)
+                    lacking += not derived
+                    if not trial.names_its_cause or not derived:
+                        word = "not derived" if not derived else "another cause"
+                        ended = f"{trial.ending.cause} ({trial.ending.reason})"
+                        print(f"  {word}: {trial.title}, {trial.fault}: {ended}", flush=True)
     for kind, count in sorted(judged.items()):
         print(f"{kind:<18}{right[kind]:>5} of {count:>5}")
-    total = sum(judged.values())
-    share = sum(right.values()) / total if total else 0.0
-    named = f"{sum(right.values())} of {total} name a cause of their fault"
+    total = judged.total()
+    share = right.total() / total if total else 0.0
+    named = f"{right.total()} of {total} name a cause of their fault"
     print(f"{named}: {100 * share:.1f} %; not derived: {lacking}")
     raise SystemExit(0 if share >= MIN_CAUSE_SHARE and not lacking else 1)
 
