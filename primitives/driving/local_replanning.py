@@ -17,7 +17,6 @@ from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.path_tracking import PathTracker
-from handcart.robotics.navigation.following.sideways_tracking import make_tracker
 from handcart.robotics.navigation.maps.scan_layer import ScanLayer
 from handcart.robotics.navigation.routes.centring import centred
 from handcart.robotics.navigation.routes.far_replanning import FarReplanner
@@ -35,7 +34,6 @@ BETTER_PERIOD_S = 1.0  # between two looks for a better one
 LEAD_S = 0.3  # of motion along the old route that stays the beginning of a new one
 LEAD_SPEED_M_S = 0.3  # from which it stays
 HOLD_DISTANCE_M = 1.0  # before what no way leads around, at which the base holds
-WAY_BACK_OVERLAP_M = 0.06  # by which cells may reach into the way that the base came: they are squares
 OLD_CELLS_S = 20.0  # after which what nothing looked at is dropped, if it closes all ways
 PINNED_S = 0.8  # that the guard holds the base at about one place, until it backs off
 PINNED_MOTION_M = 0.05  # within which a place is one place
@@ -45,7 +43,6 @@ BACK_OFF_SPEED_M_S = 0.15
 BACK_OFF_TIMEOUT_S = 3.0
 BACK_OFF_MAX_TRIES = 8
 PLANNING_S = 0.2  # simulated, of a plan while the base holds
-RESTORING_WAIT_S = 15.0  # minimum time to wait for a person on the way back; then a detour is planned
 NEARER_M = 0.1  # by which the rest of the way has to shrink
 NEARER_TIMEOUT_S = 60.0  # within which it has to
 NEARER_FACTOR = 3.0  # of the time that the rest takes at top speed, if that is more
@@ -136,9 +133,7 @@ class LocalReplanning:
             yield from self._check_map(robot)
         detour = self._model.detour
         route = detour.points if detour is not None and detour.goal == self._name else None
-        look = yield from self._planned(robot, route, robot.period)
-        if look.kind == "none" and self._near.forget(robot.time - OLD_CELLS_S):
-            look = yield from self._planned(robot, route)
+        look = yield from self.planned(robot, route, robot.period)
         if look.kind == "none":
             if not self._near.is_whole:
                 yield from self._check_map(robot)
@@ -182,8 +177,25 @@ class LocalReplanning:
             self._job = None
             self._apply(end.value, robot, tracker)
 
-    def _planned(
-        self, robot: Robot, route: FloatArray | None, takes: float = PLANNING_S
+    def planned(
+        self, robot: Robot, route: FloatArray | None = None, takes: float = PLANNING_S
+    ) -> Generator[None, None, RouteLook]:
+        """Plan a route to the goal while the base holds; its kind is "none" if there is none.
+
+        What nothing has looked at for `OLD_CELLS_S` is forgotten if it closes all routes.
+
+        Args:
+            robot: the robot.
+            route: (n, 2) points on the map in [m] of a route that is kept if it is free, or None.
+            takes: simulated time that planning takes, in [s].
+        """
+        look = yield from self._least_room(robot, route, takes)
+        if look.kind == "none" and self._near.forget(robot.time - OLD_CELLS_S):
+            look = yield from self._least_room(robot, route, PLANNING_S)
+        return look
+
+    def _least_room(
+        self, robot: Robot, route: FloatArray | None, takes: float
     ) -> Generator[None, None, RouteLook]:
         """Plan while the base holds, with ever less distance to people until a route is found; return it."""
         self.people.try_all_room()
@@ -287,7 +299,7 @@ class LocalReplanning:
             self._stuck_way = sign
         tracker.stopped()
         self._job = None
-        look = yield from self._planned(robot, None)
+        look = yield from self.planned(robot)
         self._anchor, self._held_for = robot.pose, 0.0
         if look.kind == "new":
             self._apply(look, robot, tracker)
@@ -308,45 +320,20 @@ class LocalReplanning:
             return tracker.hold(robot.pose, robot.period)
         return tracker.command(robot.pose, robot.period, self.speed_limit)
 
-    def way_back_blocked(self, robot: Robot, ahead: FloatArray) -> bool:
-        """Return whether an obstacle is on the first `HOLD_DISTANCE_M` of the recorded route back.
+    def free_length(self, ahead: FloatArray, least: float) -> float | None:
+        """Return how far in [m] a route is free of what is sensed, or None if all of it is.
 
         Args:
-            robot: the robot.
-            ahead: (n, 2) points of the way back from here on, on the map, in [m].
+            ahead: (n, 2) points of the route from here on, on the map, in [m].
+            least: distance to sensed points that counts as free, in [m].
         """
-        if len(ahead) < 2:
-            return False
-        near = np.cumsum(np.hypot(*np.diff(ahead, axis=0, prepend=ahead[:1]).T)) < HOLD_DISTANCE_M
-        least = robot.spec.footprint_shape.inscribed - WAY_BACK_OVERLAP_M
-        return free_length(self._layer.merged(), ahead[near], least)[1] is not None
+        length, obstacle = free_length(self._layer.merged(), ahead, least)
+        return None if obstacle is None else length
 
-    def drive_back(self, robot: Robot, goal: Pose2, wait_s: float) -> Generator[None, None, None]:
-        """Drive back to the start pose `goal`, map_T_base, by a route that is free now.
-
-        Raises:
-            Discrepancy: no route leads there now, or later for `wait_s` [s]; people get more time to leave.
-        """
+    def turn_to(self, goal: Pose2, robot: Robot) -> None:
+        """Let the drive lead to another goal, map_T_base, from here on."""
         self._goal, self._front, self._job, self.blocked_since = goal, None, None, None
         self._nearest, self._nearer_at = np.inf, robot.time
-        look = yield from self._planned(robot, None)
-        if look.kind == "none":
-            raise Discrepancy(
-                "an obstacle is on the way back, and no other way leads there", cause=causes.BLOCKED
-            )
-        tracker = make_tracker(look.points, goal.theta, robot.drive_limits, allowed=look.speeds)
-        while not tracker.finished(robot.pose):
-            self.update(robot, tracker)
-            since = self.waits_since
-            patience = wait_s if self.people.waits_since is None else max(wait_s, RESTORING_WAIT_S)
-            if since is not None and robot.time > since + patience:
-                raise Discrepancy(
-                    "an obstacle is on the way back, and no other way leads there", cause=causes.BLOCKED
-                )
-            if self.pinned(robot):
-                yield from self.back_off(robot, tracker)
-            robot.base.drive(*self.command(robot, tracker))
-            yield
 
     def give_up_waiting(self, ahead: FloatArray) -> Discrepancy:
         """Return the error that ends the drive: an obstacle is on the route, and no other route leads to the

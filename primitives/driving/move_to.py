@@ -55,6 +55,7 @@ from .lidar_watch import LidarWatch
 from .local_replanning import LocalReplanning
 from .looks_at_rest import LooksAtRest
 from .place_measuring import measure_place
+from .way_back import drive_back, way_back_blocked
 
 ARRIVAL_TOLERANCE = PoseTolerance(position=0.02, heading=0.01)
 STUCK_TIMEOUT_S = 6.0  # without getting on, though nothing is seen in the way
@@ -351,7 +352,7 @@ class MoveTo(ActionPrimitive):
     def _watch_way_back(self, robot: Robot) -> None:
         """Hold while an obstacle is on the way back; `restore` then takes another way."""
         assert self._local is not None
-        if not self._local.way_back_blocked(robot, self._ahead):
+        if not way_back_blocked(self._local, robot, self._ahead):
             self._blocked_since = None
         elif self._blocked_since is None:
             self._blocked_since = robot.time
@@ -381,7 +382,7 @@ class MoveTo(ActionPrimitive):
             waited = self._blocked_since is not None and robot.time >= self._blocked_since + self.wait_s
             if waited and self._local is not None and not self.together:
                 self._ahead = np.empty((0, 2))
-                yield from self._local.drive_back(robot, start.pose, self.wait_s)
+                yield from drive_back(self._local, robot, start.pose, self.wait_s)
                 yield from reach_pose(robot, start.pose)
                 return
             if waited and self._local is not None:

@@ -102,6 +102,11 @@ class PeopleWatch:
         return self._beams
 
     @property
+    def sees_people(self) -> bool:
+        """True if the last scan shows people, or the base waits for one who is out of sight now."""
+        return self.waits_since is not None or len(self.people.radii) > 0
+
+    @property
     def _walking(self) -> People:
         """People who move, or have only just stopped; all others are obstacles."""
         return self.people.chosen(self.people.stood_s < STOOD_S)

@@ -122,3 +122,15 @@ def test_walker_leaves_no_smear_in_what_is_sensed(make_rig: Callable[..., Rig]) 
     drive(rig, MoveTo(place="shelf_1"))
     on_the_way = (np.abs(rig.model.sensed_cells[:, 0] - 2.0) < 0.4) & (rig.model.sensed_cells[:, 1] < 4.5)
     assert not on_the_way.any()
+
+
+@pytest.mark.slow
+def test_person_in_the_doorway_behind_gets_time_to_leave(make_rig: Callable[..., Rig]) -> None:
+    """K18: a person closes the only way back for 14 s; the base waits, and is restored after."""
+    walk = "waypoints_m: [[7.6, 3.0], [5.95, 4.3], [7.6, 3.0]], pauses_s: [0, 14, 0]"
+    rig = make_rig(people(f"name: anna, {walk}, starts_s: 17.5, at_end: stay", more="surprises:\n" + DOORWAY))
+    before = rig.scene.base
+    found = drive(rig, MoveTo(place="shelf_1", wait_s=1.0), lambda: rig.robot.time > 19.0)
+    assert isinstance(found.outcome, Fail), found
+    assert math.dist(before[:2], rig.scene.base[:2]) < 0.03
+    assert found.by_robot == 0
