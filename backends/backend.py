@@ -35,7 +35,7 @@ class NoBench(InputError):
 
 
 class NotMovable(InputError):
-    """Error: a backend cannot start its robot at another pose than the one in the world's file."""
+    """Error: a backend cannot start its robot at a pose other than the initial pose in the world's file."""
 
 
 class NoWindow(InputError):
@@ -136,7 +136,7 @@ class Backend(ABC):
 
     @classmethod
     def build_on_bench(cls, robot: RobotFile, world: Path | None, seed: int, bench: type[Backend]) -> Backend:
-        """Build a bench: simulated drives that obey this backend's commands and move a simulated robot.
+        """Build this backend on a bench, which consists of simulated drives that move a simulated robot.
 
         Args:
             robot: robot file.
@@ -151,7 +151,9 @@ class Backend(ABC):
 
     @property
     def inner(self) -> Backend | None:
-        """Simulated backend whose robot is moved by this backend's simulated drives; None otherwise."""
+        """Simulated backend whose robot is moved by this backend's simulated drives; None for a backend that
+        is not on a bench.
+        """
         return None
 
     def ground_truth(self) -> GroundTruth | None:
@@ -196,9 +198,9 @@ class Backend(ABC):
         return None if truth is None else truth.base
 
     def figures(self) -> Mapping[str, Any]:
-        """Return figures for the run's summary, such as the delays of control periods.
+        """Return numbers about the backend for the run's summary, such as the delays of control periods.
 
-        A figure's key is its name, which ends with the unit.
+        The key of a number is its name, which ends with the unit.
         """
         return {}
 

@@ -32,12 +32,14 @@ class CommandedArm(Arm):
         return self._command.copy()
 
     def halt(self) -> None:
-        """Discard a command that has not been sent, so that the arm holds the last one sent."""
+        """Discard a command that has not been sent, so that the arm holds the joint positions that were sent
+        last.
+        """
         self._command = self._sent.copy()
 
 
 class CommandedGripper(Gripper):
-    """Base class of grippers that check a commanded width against the largest opening and keep it."""
+    """Base class of grippers that store the commanded width after a check against the largest opening."""
 
     _spec: GripperSpec
     _command: float

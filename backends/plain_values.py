@@ -95,7 +95,9 @@ def from_plain(data: object, kind: Any, name: str) -> Any:
 
 
 def to_plain(value: object, kind: Any) -> Any:
-    """Convert a value of the type `kind` to plain data (numbers, texts, lists ...) for a checkpoint."""
+    """Convert a value of the type `kind` to plain data for a checkpoint: numbers, texts, lists, arrays and
+    mappings.
+    """
     return _codec(kind).write(value)
 
 

@@ -7,7 +7,9 @@ from pathlib import Path
 
 
 class Recording(ABC):
-    """Recording of raw traffic with a robot, such as CAN frames, in a run's folder."""
+    """Interface of a recorder that writes the raw traffic with a robot, such as CAN frames, into a run's
+    folder.
+    """
 
     suffix: str
     """Suffix of the files that `keep` writes."""
@@ -27,7 +29,9 @@ class Recording(ABC):
 
     @abstractmethod
     def mark(self) -> None:
-        """Mark the last seconds of traffic, for example at a fault; the next call of `keep` writes them."""
+        """Mark the last seconds of traffic, for example at a fault; the next call of `keep` writes them into
+        its file.
+        """
 
     @abstractmethod
     def keep(self, stem: Path) -> None:
@@ -38,4 +42,4 @@ class Recording(ABC):
 
     @abstractmethod
     def close(self) -> None:
-        """Close the files; a second call does nothing."""
+        """Stop recording and close the recording's files; a second call does nothing."""

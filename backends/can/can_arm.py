@@ -22,9 +22,9 @@ class CanArm(CommandedArm):
     """Arm with a CiA 402 drive for each joint.
 
     In a profile mode a drive plans a ramp to its set-point; in a cyclic mode it gets a new set-point with
-    each SYNC. The force on the hand is computed from the joints' torques (6077h), minus those of the arm's
-    own weight by the URDF; the weight of a held object remains in it. Joints whose drives report no torque
-    are excluded; if no drive reports torque, the force is zero.
+    each SYNC. The force on the hand is computed from the joints' torques (6077h), minus the torques that the
+    arm's own weight causes by the URDF. This force includes the weight of a held object. Joints whose drives
+    report no torque are excluded; if no drive reports torque, the force is zero.
     """
 
     def __init__(self, model: ArmModel, joints: Sequence[Axis], rated: FloatArray, period: float) -> None:
@@ -65,14 +65,14 @@ class CanArm(CommandedArm):
         return force_by_efforts(self._model, self.joints(), measured, known)
 
     def pass_on(self) -> None:
-        """Hand the command to the drives."""
+        """Hand the commanded joint positions to the drives."""
         self._sent = self._command.copy()
         for joint, angle in zip(self._joints, self._sent, strict=True):
             joint.command(float(angle))
 
 
 class CanForceArm(CanArm, ForceArm):
-    """Arm whose drives report enough of the joints' torques to measure the force on the hand."""
+    """Arm that measures the force on the hand, because enough of its drives report their joint's torque."""
 
 
 def kind_of_arm(joints: Sequence[AxisSpec]) -> type[CanArm]:

@@ -208,7 +208,7 @@ class CanBackend(Backend):
         self._line.wait(self._guard.check if going_on else lambda: None, seconds)
 
     def enable(self) -> None:
-        """Enable the drives at standstill, in the first step; a second call does nothing."""
+        """Enable the drives while they are at rest; called in the first step. A second call does nothing."""
         if self._enabled:
             return
         with self._or_stopped("enabling the drives"):
@@ -220,10 +220,10 @@ class CanBackend(Backend):
                 self._pace.begin()
 
     def watch(self, beat: bool = True) -> None:
-        """Let a period pass without commands and checks, to see how enabled drives stop by themselves.
+        """Let a period pass without commands and checks, to test whether enabled drives stop by themselves.
 
         Args:
-            beat: whether our heartbeat is sent.
+            beat: True to send this program's heartbeat in the period.
         """
         with self._or_stopped("looking on"):
             if beat:

@@ -31,7 +31,7 @@ class CanBase(Base):
         return WheelTravel(self._left.travel, self._right.travel)
 
     def set_travel(self, travel: WheelTravel) -> None:
-        """Set the distances in [m] that the wheels have rolled so far; the encoders add to them."""
+        """Set the distances in [m] that the wheels have rolled so far, from which the encoders count on."""
         self._left.travel, self._right.travel = travel.left, travel.right
 
     def forget(self) -> None:

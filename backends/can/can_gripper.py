@@ -53,5 +53,5 @@ class CanGripper(CommandedGripper):
             self._command = min(self.width(), self._spec.opening_mm / 1e3)
 
     def pass_on(self) -> None:
-        """Hand the command to the drive."""
+        """Send the commanded opening to the gripper's drive."""
         self._axis.command(self._command)

@@ -102,7 +102,7 @@ class CanParts:
 
 
 def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:
-    """Return the capabilities that a robot has through its drives and the sensors of its section `can`."""
+    """Return the capabilities that the section `can` of a robot's file provides, by drives and sensors."""
     spec = robot.can
     if spec is None:
         return ()

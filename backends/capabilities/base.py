@@ -31,7 +31,7 @@ class WheelTravel(NamedTuple):
 
 
 class DriveCommand(NamedTuple):
-    """Command of a base for one period."""
+    """Commanded speeds of a base for one control period."""
 
     speed: float = 0.0
     """Forward speed, in [m/s]."""

@@ -39,7 +39,7 @@ class Camera(AnyCamera):
     @property
     @abstractmethod
     def model(self) -> CameraModel:
-        """Intrinsics and distortion, as calibrated."""
+        """Intrinsics and distortion, calibrated if there is a calibration."""
 
     @property
     @abstractmethod
@@ -57,7 +57,9 @@ class Camera(AnyCamera):
 
     @property
     def carrier_T_camera(self) -> Transform:
-        """Pose (4, 4) of the optical frame in the frame of the link `carrier`, as calibrated."""
+        """Pose (4, 4) of the optical frame in the frame of the link `carrier`, by calibration if there is
+        one.
+        """
         return self.hand_T_camera
 
 
@@ -72,7 +74,7 @@ def camera_of_kind(capabilities: Iterable[Capability], kind: type[CapabilityT]) 
 
 
 def usable_kinds(capabilities: Iterable[Capability]) -> list[type[Capability]]:
-    """Return the classes of capabilities that primitives can require.
+    """Return the classes under which a robot's capabilities are available to primitives (its skills).
 
     A camera that is not on the hand appears as `AnyCamera`; other sensors on a link that is not the hand are
     skipped.

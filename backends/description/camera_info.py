@@ -102,7 +102,7 @@ class CameraInfo(FileModel):
 
     @property
     def lens(self) -> LensKind:
-        """Kind of the lens model."""
+        """Kind of lens model that OpenCV needs for the picture, by the file's `distortion_model`."""
         return "fisheye" if self.distortion_model in ("equidistant", "fisheye") else "brown"
 
     @property

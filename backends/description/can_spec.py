@@ -137,7 +137,8 @@ class JointDriveSpec(AxisSpec):
 class GripperDriveSpec(AxisSpec):
     """Description of the CiA 402 drive of a gripper's fingers, in a robot's file.
 
-    An object may stop the drive: its torque is limited, and its following error is not supervised.
+    The drive may be stopped by a gripped object: its torque is limited, and its following error is not
+    supervised.
     """
 
     mode: Literal["profile"] = "profile"

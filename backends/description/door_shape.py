@@ -41,7 +41,7 @@ class DoorTag(FileModel):
         """Return the pose of the tag in the handle frame, handle_T_tag (4, 4).
 
         Handle frame: x away from the closed door, y to the right for somebody in front of it, z up. Tag
-        frame: x right, y up, z out of the front.
+        frame: x right, y up, z away from the door's front.
 
         Args:
             standoff: distance from the front of the door to the middle of the bar, in [m].
@@ -51,7 +51,9 @@ class DoorTag(FileModel):
 
 
 class DoorHandle(FileModel):
-    """Handle of a door, a round bar in front, with its pose on the map while the door is closed."""
+    """Handle of a door or drawer: a round bar on its front, with the bar's pose on the map while it is
+    closed.
+    """
 
     x_m: float
     y_m: float
@@ -134,7 +136,7 @@ class DoorShape(FileModel):
         return math.radians(self.opened_deg) if self.is_hinged else self.opened_mm / 1e3
 
     def joint(self, closed: Transform, radius: float) -> DoorJoint:
-        """Return the door's joint, in the frame in which the pose of its handle is given.
+        """Return the joint of a door or drawer, in the same frame as the handle's pose `closed`.
 
         Args:
             closed: (4, 4) pose of the handle while the door is closed.
@@ -150,11 +152,12 @@ class DoorShape(FileModel):
         return DoorJoint(np.asarray(closed), (-behind, across), side * outwards)
 
     def front(self, joint: DoorJoint) -> tuple[Transform, tuple[float, float, float]]:
-        """Return the pose and the size of the door's front.
+        """Return the pose and the size of the front, which is the panel of a door or drawer that carries the
+        handle.
 
         Returns:
-            handle_T_front (4, 4) of the front's middle, with the axes of the handle frame; thickness, width
-            and height of the front, in [m].
+            handle_T_front (4, 4) of the front's middle, with the axes of the handle frame; and thickness,
+            width and height of the front, in [m].
         """
         middle, width = 0.0, self.length_mm / 1e3
         if joint.hinge is not None:

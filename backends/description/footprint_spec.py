@@ -21,7 +21,7 @@ ALLOWED_CORNERS = "allowed: three or more [x, y] in order around the base, in m"
 
 
 class FootprintSpec(FileModel):
-    """Outline, in the base frame, of base, load, and arm in its travelling posture.
+    """Outline in the base frame that covers the base, its load, and the arm in its travelling posture.
 
     Exactly one of the keys is given: a disc, a rectangle or a polygon.
     """
@@ -57,7 +57,7 @@ class FootprintSpec(FileModel):
 
     @property
     def shape(self) -> Footprint:
-        """The footprint as geometry."""
+        """The base's footprint as a shape for collision checks: a disc or a polygon."""
         if self.radius_m is not None:
             return Footprint(self.radius_m)
         if self.rectangle_m is not None:
@@ -67,7 +67,7 @@ class FootprintSpec(FileModel):
 
 
 class OutlinedFile(FileModel):
-    """Base class of files that describe a robot's footprint, by a radius or by a `FootprintSpec`."""
+    """Base class of files that describe a robot's footprint, as a radius or as a shape (`FootprintSpec`)."""
 
     footprint_radius_m: Annotated[float, Field(ge=0.0)] = 0.0
     """Radius of the circle around the base's centre that contains base, arm in its travelling posture, and

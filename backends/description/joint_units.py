@@ -20,9 +20,9 @@ class JointUnits(NamedTuple):
     """True for each continuous joint: a full turn makes no difference to it."""
 
     def si(self, values: Sequence[float]) -> tuple[float, ...]:
-        """Return joint values, given in [deg] and [mm], in [rad] and [m].
+        """Return the joints' positions in [rad] and [m], given in [deg] and [mm].
 
-        Continuous joints are wrapped to ±pi.
+        Positions of continuous joints are wrapped to ±pi.
         """
         both = zip(values, self.slides, self.endless, strict=True)
         return tuple(
@@ -31,7 +31,7 @@ class JointUnits(NamedTuple):
         )
 
     def user_units(self, values: Sequence[float]) -> tuple[float, ...]:
-        """Return joint values, given in [rad] and [m], in [deg] and [mm]."""
+        """Return the joints' positions in [deg] and [mm], given in [rad] and [m]."""
         return tuple(self.user_value(joint, value) for joint, value in enumerate(values))
 
     def user_value(self, joint: int, value: float) -> float:

@@ -63,12 +63,12 @@ class PrintedTag(FileModel):
     def fits(self, size_mm: tuple[float, float, float], is_round: bool = False) -> bool:
         """Return True if the tag lies within the side of the box on which it is printed.
 
-        On a cylinder it must lie within the largest square on the top or the foot, because on the curved side
-        it would be bent.
+        On a cylinder the tag must lie within the largest square on the top or the underside, because on the
+        curved side it would be bent.
 
         Args:
-            size_mm: size of the box along its x, y and z, in [mm].
-            is_round: True for a cylinder that has the box's size.
+            size_mm: size of the box (or of the cylinder's bounding box) along its x, y and z, in [mm].
+            is_round: True for a cylinder about the z axis.
         """
         if is_round:
             within = size_mm[0] * math.sqrt(0.5)

@@ -98,7 +98,7 @@ class ToolSpec(FileModel):
 class SuspensionSpec(FileModel):
     """Tilt and turn of the base under the arm's load, as measured by `tasks/calibrate_suspension`.
 
-    The values correct poses; a simulation does not reproduce them.
+    The robot's estimated poses are corrected by these values; a simulated base does not tilt by them.
     """
 
     yaw_mrad_per_swing: float = 0.0
@@ -118,7 +118,7 @@ class SuspensionSpec(FileModel):
 
     @property
     def model(self) -> SuspensionModel:
-        """Model of the base's tilt and turn, in SI units."""
+        """Model of the base's tilt and turn under the arm's load, in SI units."""
         return SuspensionModel(
             self.yaw_mrad_per_swing / 1e3,
             self.roll_mrad_per_m / 1e3,
@@ -267,9 +267,10 @@ class RobotFile(SensorTable, OutlinedFile):
 
     @cached_property
     def described_arm(self) -> ArmModel:
-        """Shared kinematic model of the arm, for reading shapes and limits only; ValueError without an arm.
+        """Kinematic model of the arm, shared by all callers, for reading shapes and limits only.
 
-        Code that sets joint values in a model has to create its own one by `arm_model`.
+        Code that sets joint values in a model has to create its own one by `arm_model`. Raises ValueError
+        without an arm.
         """
         return self.arm_model()
 
@@ -316,9 +317,11 @@ class RobotFile(SensorTable, OutlinedFile):
         return (x, y, z)
 
     def link_of(self, sensor: SensorSpec) -> str:
-        """Return the name of the URDF's link on which a sensor of the robot is mounted; "" for none.
+        """Return the name of the URDF's link on which a sensor of the robot is mounted; "" for a sensor
+        without a link.
 
-        A link that the robot's file maps under the key `links` is named as there, such as `hand`.
+        A link to which the key `links` of the robot's file gives a role, such as `hand`, is named by that
+        role.
         """
         wanted = sensor.link(self.name_of(sensor))
         return next((role for role, link in self.links.items() if link == wanted), wanted)

@@ -82,7 +82,9 @@ class RosCameraSpec(RosLensSpec):
 
 
 class RosDepthSpec(RosLensSpec):
-    """ROS topics with a depth camera's depth and colour pictures in one pixel grid, and their calibration."""
+    """ROS topics with a depth camera's depth and colour pictures in one pixel grid, and the topic of their
+    calibration.
+    """
 
     topic: Topic = "camera/aligned_depth_to_color/image_raw"
     """Depth (`16UC1` in mm, or `32FC1` in m)."""

@@ -54,7 +54,7 @@ class SensorSpec(FileModel):
 
 
 class MountedSensorSpec(SensorSpec):
-    """Base class of descriptions of sensors that have a frame in the robot's URDF."""
+    """Base class of descriptions, in a robot's file, of sensors that have a frame in the robot's URDF."""
 
     CARRIER: ClassVar[Carrier | None] = "base"
     frame: Annotated[str, Field(min_length=1)] | None = None

@@ -47,7 +47,7 @@ class OdometrySpec(FileModel):
 
     @property
     def sideways_errors(self) -> SidewaysErrors:
-        """Sigmas of the errors of sideways motion, as ratios and in [rad/m]."""
+        """Sigmas of the errors of sideways travel, in SI units: scale and slip as ratios, turn in [rad/m]."""
         return SidewaysErrors(
             self.sideways_percent / 100,
             math.radians(self.sideways_turn_deg_per_m),
@@ -56,7 +56,9 @@ class OdometrySpec(FileModel):
 
     @property
     def errors(self) -> OdometryErrors:
-        """Sigmas of the wheels' errors, as ratios and in [m]."""
+        """Sigmas of the wheel odometry's errors as ratios, and the distance in [m] after which the slip
+        changes.
+        """
         return OdometryErrors(
             self.wheel_radius_percent / 100,
             self.tread_percent / 100,

@@ -23,7 +23,9 @@ OLD_KEYS = ("camera", "range_sensor", "imu", "gps", "beacons", "positioning")
 
 
 class SensorTable(FileModel):
-    """The table `sensors` of a robot's file, and older keys of the file for one sensor each."""
+    """The sensors of a robot's file, from its table `sensors` and from older keys with one sensor each, such
+    as `imu`.
+    """
 
     sensors: dict[SensorName, SerializeAsAny[SensorSpec]] = Field(default_factory=dict)
     """Sensors by name: any number of each kind. The first one of a kind is the one that is used where only
@@ -103,7 +105,11 @@ class SensorTable(FileModel):
         return self.first(BeaconsSpec)
 
     def with_sensors(self, changed: Mapping[str, SensorSpec | None]) -> Self:
-        """Return a copy with the sensors of `changed` by name; None removes a sensor."""
+        """Return a copy of the table in which some sensors are replaced, added or removed.
+
+        Args:
+            changed: description of each changed sensor by its name; None removes the sensor.
+        """
         table = {**self.sensors, **changed}
         left = {name: spec for name, spec in table.items() if spec is not None}
         return super().model_copy(update={"sensors": left})

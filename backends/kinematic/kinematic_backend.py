@@ -36,11 +36,9 @@ class KinematicBackend(SimulatedBackend):
     - No mass: wheels, joints and fingers follow their commands within the period; limits of speed are
       checked, those of acceleration are not. Nothing swings, tips or heats up.
     - Contacts are quasi-static. The base has the outline of its footprint, and stops with slipping wheels
-    where
-      it meets something.
-      The arm stops where a contact begins; the force grows by 2 N per mm of further command, up to 60 N. The
-      hand, or the held thing, slides along a surface on which it presses, with a coefficient of friction of
-      0.4.
+      when it meets something. The arm stops where a contact begins; the force grows by 2 N per mm of further
+      command, up to 60 N. The hand, or the held thing, slides along a surface on which it presses, with a
+      coefficient of friction of 0.4.
       Collisions of the arm with itself and with its base are not detected. The base also stops where the arm,
       a part mounted above the base or a thing carried on it would hit something.
     - A gripped thing is centred in the hand and fixed to it: it neither slips nor sags, but a person who

@@ -62,7 +62,8 @@ class KinematicBase(CommandedBase):
 class Rolling:
     """Model of the true motion of a base with two wheels, by the wheels' travel.
 
-    True radii, tread and slip differ from the robot's file by its section `errors` and a seed.
+    True radii, tread and slip are drawn about the values of the robot's file, with the sigmas of its section
+    `errors`.
     """
 
     def __init__(self, robot: RobotFile, seed: int) -> None:

@@ -75,7 +75,9 @@ class Pace:
         self._in_a_row = 0
 
     def figures(self) -> Mapping[str, Any]:
-        """Return the numbers of all and of missed periods, and the percentiles of their delays in [ms]."""
+        """Return the number of periods, the number of missed ones, and percentiles of how late periods ended,
+        in [ms].
+        """
         if not self._lateness:
             return {"periods": 0, "missed": 0}
         p50, p99 = (1e3 * float(item) for item in np.percentile(self._lateness, (50, 99)))

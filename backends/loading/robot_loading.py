@@ -24,7 +24,8 @@ def load_robot(name: str, drives: bool = True) -> RobotFile:
 
     Args:
         name: name or path.
-        drives: True to check the sections `can` and `ros2` completely, as `check` and a real robot need it.
+        drives: True to check the contents of the sections `can` and `ros2` as well, against the robot and its
+            EDS files.
 
     Raises:
         FileError: the file or its URDF is missing or invalid.

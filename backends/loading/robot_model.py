@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def model_for(document: Document) -> type[RobotFile]:
     """Return the pydantic model that validates a robot's file.
 
-    Only a file with the table `sensors` needs the installed kinds of sensors to be imported.
+    The installed kinds of sensors are imported only for a file with the table `sensors`.
     """
     content = document.root.content
     return robot_model() if isinstance(content, dict) and TABLE_KEY in content else RobotFile

@@ -51,11 +51,12 @@ class Onlooker:
 
 
 def looking(eye: FloatArray, at: FloatArray) -> Transform:
-    """Return world_T_camera (4, 4) of a level camera at a point that looks at another one.
+    """Return the pose world_T_camera (4, 4) of a level camera at the point `eye` that looks at the point
+    `at`.
 
     Args:
         eye: (3,) position of the camera in the world, in [m].
-        at: (3,) point that it looks at in the world, in [m].
+        at: (3,) point in the world at which the camera looks, in [m].
     """
     forward = (at - eye) / np.linalg.norm(at - eye)
     right = np.cross(forward, (0.0, 0.0, 1.0))

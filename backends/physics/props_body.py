@@ -14,7 +14,9 @@ from handcart.backends.simulation.world.scene_props import SceneProps
 
 
 class Pieces(NamedTuple):
-    """Parts of a physics simulation, for the code that simulates a domain's objects (`PropsBody`)."""
+    """Engine, robot, world, gripper and grip of a physics simulation, for the code that simulates a domain's
+    objects (`PropsBody`).
+    """
 
     engine: Engine
     body: RobotBody
@@ -26,7 +28,7 @@ class Pieces(NamedTuple):
 class PropsBody:
     """Base class of the physics of a domain's objects (props) beyond rigid bodies, such as a pulling person.
 
-    A domain names its subclass in `Domain.physics`. This class does nothing.
+    A domain names its subclass in `Domain.physics`. The methods of this class do nothing.
     """
 
     STATE: ClassVar[Kinds] = {}
@@ -46,5 +48,7 @@ class PropsBody:
 
     @property
     def keeps_grip(self) -> bool:
-        """True if the hand keeps its object although the fingers do not press on it."""
+        """True if the hand is treated as holding its object although the fingers do not press on this
+        object.
+        """
         return False

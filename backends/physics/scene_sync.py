@@ -30,8 +30,12 @@ class SceneSync:
         scene.base = Pose2(float(standing[0, 3]), float(standing[1, 3]), heading)
 
     def things(self, held: Thing | None) -> None:
-        """Copy the poses of the things that may have moved into the scene, update their supports, and set the
-        held thing.
+        """Copy the poses of the things that may have moved from the engine into the scene.
+
+        It also updates on what these things rest, and which thing the hand holds.
+
+        Args:
+            held: thing that the hand holds; None without one.
         """
         scene = self._scene
         world_T_hand = self._body.link_pose("hand") if "hand" in self._body.link_index else np.eye(4)

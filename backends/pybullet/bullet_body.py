@@ -30,7 +30,7 @@ _GEAR_FORCE = 500.0  # with which a linkage keeps two joints alike [N]
 
 
 class BulletBody(RobotBody):
-    """A robot's links and joints in PyBullet."""
+    """Links and joints of a robot in PyBullet, with methods to read their poses and to move them."""
 
     def __init__(self, engine: BulletEngine, robot: RobotFile, base: Pose2) -> None:
         """Load the robot with `base` as world_T_base."""
@@ -93,7 +93,9 @@ class BulletBody(RobotBody):
         self._engine.set_pose(self.id, base.lift(height) @ inverse(self._middle_T_base))
 
     def free(self, joint: int) -> None:
-        """Switch off the motor that Bullet gives each joint, for Bullet's joint number `joint`."""
+        """Switch off the motor that Bullet gives to each joint by default, for the joint with Bullet's number
+        `joint`.
+        """
         self._p.setJointMotorControl2(
             self.id, joint, self._p.VELOCITY_CONTROL, force=0.0, physicsClientId=self._engine.client
         )

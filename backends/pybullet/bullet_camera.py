@@ -68,8 +68,9 @@ def render_with_depth(
 ) -> tuple[ByteArray, FloatArray]:
     """Return a picture (height, width, 3) in RGB, and the depth (height, width) of its pixels, in [m].
 
-    Depth is along the optical axis; infinite where nothing is nearer than `FURTHEST`. Near and far depths are
-    rendered separately, because OpenGL's depth buffer is coarse far away if its nearest plane is close.
+    Depth is along the optical axis, and infinite where nothing is nearer than 20 m (`FURTHEST`). Near and far
+    depths are rendered separately, because OpenGL's depth buffer is coarse far away if its nearest plane is
+    close.
 
     Args:
         engine: engine with the bodies to render.

@@ -16,7 +16,7 @@ from .bullet_engine import BulletEngine
 class BulletJoints(JointGroup):
     """Joints of a robot that are moved by Bullet's motors; see `JointGroup`.
 
-    Such a motor is a constraint on the joint's velocity with a limited impulse.
+    A motor of Bullet is a constraint on the joint's velocity with a limited impulse.
     """
 
     def __init__(self, engine: BulletEngine, body: int, joints: Sequence[int]) -> None:

@@ -82,8 +82,8 @@ class BulletRenderer:
             view: (4, 4) camera_T_world in OpenGL's axes, in [m].
             projection: (4, 4) OpenGL's projection.
             size: width and height in [px].
-            lit: True for a picture for people, with light from above and shadows; otherwise each surface is
-                as bright as its paint.
+            lit: True for a picture with light from above and shadows, as for videos; otherwise each surface
+                is as bright as its paint.
         """
         width, height = size
         # The EGL renderer always has one light and shadows: from behind what is seen it falls on nothing.
@@ -101,8 +101,8 @@ class BulletRenderer:
     def picture_with_depth(
         self, view: Transform, projection: Transform, size: tuple[int, int]
     ) -> tuple[ByteArray, FloatArray]:
-        """Return an unlit picture (h, w, 3) in RGB as `picture` does, and OpenGL's depths (h, w), from 0 to
-        1, without unit.
+        """Return an unlit picture (h, w, 3) in RGB as `picture` does, and the values (h, w) of OpenGL's depth
+        buffer, from 0 (nearest) to 1 (farthest).
 
         Args:
             view: (4, 4) camera_T_world in OpenGL's axes, in [m].

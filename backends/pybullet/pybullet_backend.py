@@ -24,8 +24,8 @@ _VIEW_K = np.array([[750.0, 0.0, 479.5], [0.0, 750.0, 269.5], [0.0, 0.0, 1.0]])
 class PyBulletBackend(PhysicsBackend):
     """Backend with the physics of PyBullet; see `PhysicsBackend`.
 
-    Differences from hardware: links are rigid; a floor is flat; friction is Coulomb's, with one coefficient
-    for two touching bodies; light has no shadows.
+    Differences from hardware: links are rigid; a floor is flat; friction is Coulomb's, with a single
+    coefficient for each pair of touching bodies; camera pictures have no shadows.
     """
 
     name = "pybullet"

@@ -21,7 +21,8 @@ KEY_FILE = "checkpoint_key"
 
 
 def sign(content: bytes, bodies: str) -> bytes:
-    """Return a signature of a saved state and a description of its bodies, made with a key of this user.
+    """Return a signature that proves that this user's programs saved a state, for the bodies that are
+    described.
 
     Args:
         content: bytes of the saved state.

@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 class Holding(Protocol):
-    """Protocol of a robot that can hold still for a time."""
+    """Protocol of a robot that can hold still for a time, for a long computation between two motions."""
 
     time: float
 
@@ -36,12 +36,13 @@ def beside(work: Callable[..., T], *args: object) -> Generator[None, None, T]:
 
 
 def in_steps(steps: Generator[None, None, T], simulated: bool) -> Generator[None, None, T]:
-    """Run a long computation without delaying the control loop.
+    """Run a long computation without delaying the control loop; yield once in each control period.
 
     In simulation one step is computed in each period; on a real robot all steps run in a thread (`beside`).
 
     Args:
-        steps: computation, whose return value is the result; a step ends with each `yield`.
+        steps: the computation as a generator; each of its steps ends with a `yield`, and it returns the
+            result.
         simulated: True for a robot with a simulated backend.
     """
     result: T
@@ -56,12 +57,14 @@ def in_steps(steps: Generator[None, None, T], simulated: bool) -> Generator[None
 def at_rest(
     steps: Generator[None, None, T], robot: Holding, simulated: bool, takes: float
 ) -> Generator[None, None, T]:
-    """Run a long computation while the robot holds still; see `Robot.compute`.
+    """Run a long computation while the robot holds still; yield once in each control period (see
+    `Robot.compute`).
 
     In simulation one step is computed in each period; on a real robot all steps run in a thread (`beside`).
 
     Args:
-        steps: computation, whose return value is the result; a step ends with each `yield`.
+        steps: the computation as a generator; each of its steps ends with a `yield`, and it returns the
+            result.
         robot: the robot that holds still.
         simulated: True for a robot with a simulated backend.
         takes: simulated time that the computation takes at least, in [s].

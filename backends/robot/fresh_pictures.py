@@ -33,8 +33,8 @@ class Photo(NamedTuple):
 class FreshPictures:
     """Detector of a camera that delivers an old picture again although the camera has moved.
 
-    The camera's motion is read from the wheels and joints that carry it; their positions are an array (k,),
-    in [m] or [rad].
+    The camera's motion follows from the wheels and joints that carry it; `note` and `take` get their
+    positions as an array (k,), in [m] or [rad].
     """
 
     def __init__(self) -> None:
@@ -50,7 +50,7 @@ class FreshPictures:
 
     @property
     def awaits_motion(self) -> bool:
-        """True if the camera has not moved since its last picture."""
+        """True if the camera has not moved since it took the picture that `last` returns."""
         return self._last is not None and not self._moved
 
     def note(self, carrier: FloatArray) -> None:
@@ -62,7 +62,8 @@ class FreshPictures:
         self._moved = self._is_away(carrier)
 
     def take(self, image: ByteArray, carrier: FloatArray, noisy: bool) -> ByteArray:
-        """Accept a new picture and return it; raise if the camera has moved and the picture is the last one.
+        """Accept a new picture and return it; raise if it equals the previous picture although the camera has
+        moved.
 
         Args:
             image: (h, w), grey, 0 to 255.
@@ -70,8 +71,7 @@ class FreshPictures:
             noisy: True if no two pictures taken at one pose are the same.
 
         Raises:
-            StaleReading: the picture equals the last one to the last bit, although the camera has moved
-                since.
+            StaleReading: all pixels equal those of the previous picture, although the camera has moved since.
         """
         same = self._last is not None and np.array_equal(image, self._last)
         if same and (self._moved if noisy else self._is_away(carrier)):

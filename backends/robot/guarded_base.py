@@ -118,7 +118,7 @@ class GuardedBase(HolonomicBase):
             self._unseen.forget()
 
     def drive(self, speed: float, turn_rate: float, sideways: float = 0.0) -> None:
-        """Command the base as `HolonomicBase.drive` does, at a lower speed if its way is not free.
+        """Command the base as `HolonomicBase.drive` does, at a lower speed if obstacles are near on its way.
 
         Args:
             speed: speed ahead, in [m/s].
@@ -159,7 +159,7 @@ class GuardedBase(HolonomicBase):
         self._guard.may_stand_at(pose)
 
     def keep_off(self, points: FloatArray) -> None:
-        """Set the points, from earlier contacts with obstacles, to which the base keeps a distance.
+        """Set the points at which the base ran into obstacles earlier, and to which it now keeps a distance.
 
         Args:
             points: (n, 2) on the map, in [m].
@@ -348,7 +348,8 @@ def steady_points(scan: Scan) -> FloatArray:
     short.
 
     Each range is replaced by the median of itself and its two neighbours, because a single short reading may
-    be noise, and the minimum of hundreds of noisy readings is always too short. Blind beams are skipped.
+    be noise, and the minimum of hundreds of noisy readings is always too short. Beams that show neither an
+    obstacle nor free ground are skipped.
     """
     is_read = len(scan.validity) > 0  # then a range is finite or infinity
     ranges = scan.ranges if is_read else np.where(np.isfinite(scan.ranges), scan.ranges, np.inf)

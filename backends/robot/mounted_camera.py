@@ -87,7 +87,8 @@ def hand_mount(arm: ArmModel, link: str = "camera") -> CameraMount:
 def camera_model(spec: CameraSpec) -> CameraModel:
     """Return the nominal model of a camera, without its calibration.
 
-    The model is read from the `camera_info` file, or has its optical axis in the middle of the picture.
+    The model is read from the `camera_info` file. Without this file, the optical axis is in the middle of the
+    picture.
     """
     if spec.info is not None:
         return spec.info.model

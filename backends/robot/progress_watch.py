@@ -20,9 +20,10 @@ class ProgressWatch:
     """Detector of a blocked base or wheel, by comparing commands with the estimated motion every period.
 
     Attributes:
-        blocked: evidence that the base is blocked ahead or backwards, from the last period; None without.
-        blocked_wheel: evidence that one wheel is blocked, for example in a turn on the spot; None with
-            `blocked`.
+        blocked: evidence of the last period that the base is blocked in its direction of travel; None if it
+            is not.
+        blocked_wheel: evidence that one wheel is blocked, for example in a turn on the spot; None without
+            evidence, or if `blocked` is set.
     """
 
     def __init__(self, spec: RobotFile, period: float, localization: Localization) -> None:
@@ -40,7 +41,7 @@ class ProgressWatch:
         self.blocked_wheel: BlockedWheel | None = None
 
     def update(self, command: DriveCommand, travel: WheelTravel, before: Pose2) -> None:
-        """Compare the command of the last period with the motion in it, and update the attributes.
+        """Compare the command of the last period with the motion in it; update `blocked` and `blocked_wheel`.
 
         Args:
             command: command of the base in the period.

@@ -134,10 +134,10 @@ class Robot:
     # Capabilities
 
     def get(self, kind: type[CapabilityT]) -> CapabilityT:
-        """Return the first capability of the class `kind`; of several cameras that on the hand is preferred.
+        """Return the first capability of the class `kind`, but a camera on the hand before any other camera.
 
         Raises:
-            MissingCapability: the robot has none of that kind.
+            MissingCapability: the robot has no capability of that class.
         """
         if kind not in self._known:
             self._known[kind] = self._capability(kind)
@@ -198,7 +198,7 @@ class Robot:
 
     @property
     def view_camera(self) -> Camera:
-        """Camera for the hand's work, which is on the hand, or else the robot's first other camera."""
+        """Camera for the hand's work: the camera on the hand, otherwise the robot's first other camera."""
         return cast("Camera", self.get(AnyCamera))
 
     @property
@@ -225,7 +225,7 @@ class Robot:
 
     @property
     def stopping_distance(self) -> float:
-        """Largest distance that the base rolls on after a command to stop, in [m], from top speed."""
+        """Distance, in [m], that the base needs to stop from its top speed after a command to stop."""
         speed = self.drive_limits.speed
         return speed * MAX_STOP_PERIODS * self.period + speed**2 / (2.0 * self.drive_limits.acceleration)
 
@@ -242,7 +242,7 @@ class Robot:
 
     @cached_property
     def attitude(self) -> Attitude:
-        """Estimate of the base's turn and tilt by its IMU; constant without an IMU."""
+        """Estimate of the base's turn and tilt by its IMU; without an IMU, always zero."""
         return Attitude()
 
     @property
@@ -286,7 +286,7 @@ class Robot:
     # Time
 
     def step(self, paused: bool = False) -> None:
-        """Execute one control period and update the estimates; `time` does not advance if `paused`."""
+        """Execute one control period and update the estimates; `time` advances unless `paused` is True."""
         self._moved, self._movers = self._movers, set()
         self.command, self.held = self._guarded.taken()
         self.backend.step()
@@ -343,7 +343,7 @@ class Robot:
         return self._pictures.last
 
     def state(self) -> dict[str, Any]:
-        """Return the present estimates for a checkpoint, as plain data."""
+        """Return the estimates that a checkpoint needs, such as pose and localization, as plain data."""
         state = {
             "robot": attributes(self, self.STATE),
             "attitude": attributes(self.attitude, self.attitude.STATE),

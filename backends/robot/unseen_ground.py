@@ -53,7 +53,9 @@ class UnseenGround:
 
     @cached_property
     def view(self) -> SensorView:
-        """Field of view of the lidar in the base frame; empty if the lidar has masked sectors."""
+        """Field of view of the lidar in the base frame; empty (a negative width) if the lidar has masked
+        sectors.
+        """
         scan = self._lidar.scan()
         mount, spec = scan.base_T_sensor, self._lidar.spec
         width = math.radians(spec.end_deg - spec.start_deg)

@@ -65,7 +65,7 @@ class GoalStream:
         """Fault of a goal in words; "" without a fault."""
 
     def send(self, goal: Any) -> None:
-        """Send a goal that replaces the one before."""
+        """Send a goal; it replaces the goal that was sent before."""
         for watched in self._watched:
             watched.was_replaced = True
         self._watched.append(_Watched(self.sender.send(goal), self._clock()))
@@ -78,7 +78,9 @@ class GoalStream:
             watched.was_cancelled = True
 
     def advance(self) -> None:
-        """Check the state of each goal, and record a fault in `trouble`."""
+        """Check the state of each goal sent to the robot's controller; store the first fault as text in
+        `trouble`.
+        """
         for watched in self._watched:
             self.trouble = self.trouble or self._wrong(watched)
         self.trouble = self.trouble or self.rival

@@ -13,7 +13,7 @@ from .wire.ros_link import Link
 
 
 class JointController(Protocol):
-    """Interface for commanding joint positions to a ROS controller."""
+    """Interface of a ROS controller that moves joints to commanded positions."""
 
     def send(self, names: Sequence[str], positions: Sequence[float], seconds: float) -> None:
         """Command positions to the controller.
@@ -29,7 +29,7 @@ class JointController(Protocol):
 
 
 class TopicController(JointController):
-    """Controller that is commanded by messages on a topic, and holds the position of the last message."""
+    """ROS controller that is commanded by messages on a topic; it holds the position of the last message."""
 
     def __init__(self, link: Link, kind: str, topic: str) -> None:
         """Announce the topic of a controller.

@@ -23,7 +23,8 @@ from .wrench_topic import WrenchTopic
 class RosArm(CommandedArm, ForceArm):
     """Arm whose joint controllers are commanded over ROS.
 
-    In each period they receive a new position if the command has changed; they hold the last one.
+    In each period the controllers receive the commanded positions if these have changed, and hold the last
+    ones.
     """
 
     STATE: ClassVar[Kinds] = {"_command": FloatArray, "_sent": FloatArray}

@@ -108,7 +108,7 @@ class RosBackend(Backend):
 
     @classmethod
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> RosBackend:
-        """Build the backend; the world is not used, because it is real."""
+        """Build the backend for a real robot; `world` and `seed` are not used."""
         return cls(robot)
 
     @classmethod

@@ -29,7 +29,7 @@ class RosGps(TopicSensor, Gps):
     KIND = "sensor_msgs/NavSatFix"
 
     def fit(self, spec: RosGpsSpec) -> None:
-        """Set the origin of the task, before the first fix."""
+        """Set the point on Earth that is the origin of the positions, before the first fix."""
         self._frame = EarthFrame(spec.origin_lat_deg, spec.origin_lon_deg)
         self._usual_sigma = spec.sigma_m
         self._fix: Fix | None = None

@@ -20,7 +20,7 @@ from .joint_states import JointStates
 class RosGripper(CommandedGripper):
     """Gripper whose fingers are commanded over ROS; their controller presses on an object between them.
 
-    The fingers are regarded as pressing if they rest wider open than commanded, or closed on each other.
+    The fingers count as pressing if they are at rest wider open than commanded, or closed on each other.
     """
 
     STATE: ClassVar[Kinds] = {"_command": float, "_sent": float, "_width": float, "_still_s": float}
@@ -89,7 +89,9 @@ class RosGripper(CommandedGripper):
         return [self.position(self._sent)] * len(self._names)
 
     def seconds(self) -> float:
-        """Return the time in [s] that the fingers need to the last sent width, at least one period."""
+        """Return the time in [s] in which the fingers reach the width that was sent last; at least one
+        period.
+        """
         way = abs(self._sent - self._width)
         return max(self._period, way / (self._spec.speed_mm_s / 1e3))
 

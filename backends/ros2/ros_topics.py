@@ -55,7 +55,10 @@ SensorT = TypeVar("SensorT", bound=TopicSensor)
 
 
 class RosTopics:
-    """Capabilities of a robot with ROS drivers, with the topics and actions that the robot's file names."""
+    """Capabilities of a robot that is connected over ROS: base, arm, gripper and sensors.
+
+    The topics and actions of the robot's drivers are those of the section `ros2` of the robot's file.
+    """
 
     def __init__(self, robot: RobotFile, spec: RosSpec, link: Link) -> None:
         """Subscribe to all readings, and announce all commands.
@@ -88,7 +91,9 @@ class RosTopics:
         return (*actuators, *self._sensors)
 
     def begin(self) -> None:
-        """Set the commands of arm and gripper to the measured values, after each topic's first message."""
+        """Start commanding arm and gripper at their measured positions; to be called when each topic has had
+        a message.
+        """
         for item in (self.arm, self.gripper):
             if item is not None:
                 item.begin()
@@ -104,7 +109,9 @@ class RosTopics:
             self.gripper.advance()
 
     def state(self) -> dict[str, object]:
-        """Return the commands and readings that cannot be restored from the next messages, as plain data."""
+        """Return, for a checkpoint, the commands and readings that later messages do not repeat, as plain
+        data.
+        """
         return {name: attributes(part, part.STATE) for name, part in self._kept().items()}
 
     def set_state(self, state: object, receive: Callable[[], None]) -> None:
@@ -112,7 +119,7 @@ class RosTopics:
 
         Args:
             state: result of `state`.
-            receive: function that delivers the messages of the time of that state.
+            receive: function that delivers the messages that were published at the time of that state.
 
         Raises:
             NotAState: the state belongs to another robot.

@@ -19,7 +19,9 @@ ACTUATOR_CAPABILITIES: tuple[type[Capability], ...] = (Base, Arm, Gripper)
 
 @cache
 def all_capabilities() -> tuple[type[Capability], ...]:
-    """Return all classes of capabilities, which the conformance kit tests: actuators, then sensors."""
+    """Return all classes of capabilities that the conformance kit for backends tests: actuators, then
+    sensors.
+    """
     return (*ACTUATOR_CAPABILITIES, *sensor_capabilities())
 
 

@@ -27,7 +27,9 @@ class ChargerSpec(FileModel):
 
 
 class BatterySpec(SensorSpec):
-    """Capacity of a battery, noise of its charge reading, and its loads in a simulation."""
+    """Description of a battery: capacity, noise of its charge reading, and the power that a simulated robot
+    draws.
+    """
 
     kind: Literal["battery"] = "battery"
 

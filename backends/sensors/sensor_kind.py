@@ -66,8 +66,8 @@ def sensor_kind(name: str) -> SensorKind:
 
     Raises:
         KeyError: no kind has this name.
-        BrokenPlugin: the kind, of another package, cannot be imported, is not a `SensorKind`, or has the name
-            of another kind.
+        BrokenPlugin: the kind belongs to another package, and cannot be imported, is not a `SensorKind`, or
+            has the name of another kind.
     """
     points = [point for point in entry_points_of(ENTRY_POINT_GROUP) if point.name == name]
     if name in SHIPPED_KINDS and not points:

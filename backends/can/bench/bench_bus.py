@@ -29,7 +29,7 @@ class BenchBus(can.BusABC):
 
     @property
     def state(self) -> can.BusState:
-        """State of the interface, as python-can defines it."""
+        """State of the interface, one of python-can's `BusState`."""
         return self.condition
 
     @state.setter
@@ -41,7 +41,7 @@ class BenchBus(can.BusABC):
 
         Args:
             msg: frame to send.
-            timeout: not used, in [s].
+            timeout: ignored.
 
         Raises:
             can.CanOperationError: the interface is down or its queue is full.
@@ -74,6 +74,6 @@ class BenchBus(can.BusABC):
         return self._inner.recv(timeout), True
 
     def shutdown(self) -> None:
-        """Close the interface, as python-can defines it."""
+        """Close the interface; python-can calls this method `shutdown`."""
         super().shutdown()
         self._inner.shutdown()

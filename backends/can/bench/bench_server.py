@@ -46,7 +46,9 @@ class BenchServer:
         self._slice = period / _SLICES if bench.inner is None else period
 
     def serve(self, until: Callable[[], bool]) -> None:
-        """Serve until `until()` returns True; it is called at least once a period."""
+        """Serve the clients until `until()` returns True; `until` is called at least once in a control
+        period.
+        """
         while not until():
             self._bench.line.wait(self._has_passed, self._slice / 2 if self._alone else self._period / 2)
             self.catch_up()

@@ -45,7 +45,7 @@ class CyclicFrame(NamedTuple):
 
 @dataclass(frozen=True)
 class BusLoad:
-    """Load of cyclic frames on a bus."""
+    """Load of a CAN bus by the frames that are sent in every control period."""
 
     frames: tuple[CyclicFrame, ...]
     bitrate: int

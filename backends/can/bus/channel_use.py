@@ -26,10 +26,10 @@ def taken_by(
     is_shared: bool,
     clock: Callable[[], float] = time.monotonic,
 ) -> str:
-    """Return a description of another node on a channel that our nodes would disturb; "" if none is found.
+    """Return a description of a foreign node that already uses the channel of a bus; "" if none is found.
 
-    The function listens before it sends, because a request would stop a robot that runs on the channel. If
-    nothing is heard, the nodes are asked for their device type.
+    The function listens before it sends, because a request that is sent at once could stop a running robot on
+    this channel. If nothing is heard, it asks the node IDs in `nodes` for their device type.
 
     Args:
         bus: an open bus without any of our nodes.

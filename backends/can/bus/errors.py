@@ -70,7 +70,9 @@ class ChannelTaken(InputError):
 
 
 class CanFault(RobotFault):
-    """Error on the CAN bus: the robot cannot be driven any more; a person has to look at it."""
+    """Error on the CAN bus, such as a silent drive or an overloaded bus; the robot cannot be driven any more,
+    and a person has to look at it.
+    """
 
 
 class BusFault(CanFault):
@@ -103,7 +105,7 @@ class SilentDrive(CanFault, TimeoutError):
 
 
 class LostAnswers(CanFault):
-    """Error: too many answers of a drive get lost."""
+    """Error: a drive left too many SYNCs unanswered."""
 
     def __init__(self, drive: str, lost: int, of: int, allowed: str) -> None:
         super().__init__(f"{drive} is unreliable: {lost} of {of} answers didn't come; allowed: {allowed}")

@@ -84,7 +84,7 @@ class FrameLog(Recording):
         self._count, self._number, self._size = 0, 0, 0
 
     def note(self, frame: can.Message, sent: bool) -> None:
-        """Record a frame that was sent, or received if `sent` is False."""
+        """Record a frame, with `sent` True if this program sent it, and False if it was received."""
         now = self._clock()
         own = sent or abs(frame.timestamp - now) > _OTHER_CLOCK
         kept = copy(frame)

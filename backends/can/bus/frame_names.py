@@ -21,7 +21,7 @@ class PdoField(FileModel):
 
 
 class PdoNames(FileModel):
-    """Names of a PDO and of its fields."""
+    """Names of a PDO and of its fields, for texts about recorded frames."""
 
     node: int
     what: str

@@ -30,7 +30,7 @@ _ABORT = 0x80
 
 
 class FrameDescription(NamedTuple):
-    """Description of a frame as text."""
+    """Texts that describe a CAN frame, with its node, kind and content, for printed recordings of the bus."""
 
     who: str
     """Node that sends or receives the frame."""

@@ -14,13 +14,13 @@ _FRAMES = 16  # maximum frames of one answer: only numbers are read
 
 
 class NoAnswer(SdoCommunicationError):
-    """Error: no answer has arrived in time."""
+    """Error: a node has not answered an SDO request within the time-out."""
 
 
 class LineSdoClient(SdoClient):
-    """SDO client that receives its answer itself instead of waiting for another thread.
+    """SDO client that receives a node's answer itself instead of waiting for another thread.
 
-    Answers that violate CiA 301, and endless ones, raise `SdoCommunicationError`.
+    It raises `SdoCommunicationError` if an answer violates CiA 301 or has too many frames.
     """
 
     RESPONSE_TIMEOUT = 0.8

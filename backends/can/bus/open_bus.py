@@ -48,7 +48,7 @@ class EchoFreeBus(can.BusABC):
         return True
 
     def shutdown(self) -> None:
-        """Close the interface, as python-can defines it."""
+        """Close the interface; python-can calls this method `shutdown`."""
         super().shutdown()
         self._inner.shutdown()
 

@@ -13,7 +13,7 @@ _SYNC, _HEARTBEAT = 0x080, 0x700
 
 
 def bus_load(spec: CanSpec, period: float) -> BusLoad:
-    """Return the bus load of a robot's cyclic frames with a control period of `period` [s]."""
+    """Return the load of the CAN bus by the frames that are sent in each control period of `period` [s]."""
     return BusLoad.of(cyclic_frames(spec, period), 1000 * spec.bitrate_kbit_s)
 
 
@@ -42,6 +42,6 @@ def _pdos(name: str, axis: AxisSpec, period: float) -> Iterator[CyclicFrame]:
 
 
 def mode_of(axis: AxisSpec) -> int:
-    """Return the mode of operation (6060h) of an axis."""
+    """Return the mode of operation (6060h) in which the robot's file drives an axis."""
     kind = "velocity" if isinstance(axis, WheelDriveSpec) else "position"
     return CIA402_MODES[kind, getattr(axis, "mode", "profile")]

@@ -60,7 +60,10 @@ def eds_findings(path: Path, axis: AxisSpec) -> tuple[list[Finding], list[str]]:
 
 
 def wrap_findings(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[int, str]]:
-    """Yield node ID and message of each drive whose counts wrap inside the axis' travel by its EDS file."""
+    """Yield node ID and message of each drive whose position counts wrap within the travel of its axis.
+
+    The range of the counts is read from the drive's EDS file.
+    """
     for _, axis, units, limits in planned_axes(robot, spec):
         if axis.eds is None:
             continue

@@ -114,7 +114,7 @@ class Axes(Mapping[str, Axis]):
             axis.end_handshake()
 
     def hold(self) -> None:
-        """Let every axis slow down and hold from the next period on."""
+        """Make every axis slow down from the next period on, and hold the position at which it stops."""
         for axis in self.values():
             axis.hold()
 
@@ -134,7 +134,7 @@ class Axes(Mapping[str, Axis]):
         return 3 + round(longest / self._period)
 
     def disable(self) -> None:
-        """Remove the torque of all drives, except those with `stop: hold` in the robot's file."""
+        """Switch off the torque of all drives, except those with `stop: hold` in the robot's file."""
         _each(axis.disable for axis in self.values())
 
     def leave(self) -> None:
@@ -143,7 +143,7 @@ class Axes(Mapping[str, Axis]):
 
     @property
     def holding(self) -> tuple[Axis, ...]:
-        """Axes that keep their torque when the program ends."""
+        """Axes whose drives hold their position with torque after the program has ended."""
         return tuple(axis for axis in self.values() if axis.spec.stop == HOLD_COMMAND)
 
 
@@ -155,7 +155,7 @@ def _each(acts: Iterable[Callable[[], None]]) -> None:
 
 
 def planned_axes(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[str, AxisSpec, AxisUnits, AxisLimits]]:
-    """Yield name, description, units and limits of each axis."""
+    """Yield name, description, units and limits of each axis that the section `can` describes."""
     for name, wheel in zip(("left wheel", "right wheel"), spec.wheels, strict=True):
         yield (
             name,

@@ -176,7 +176,7 @@ class Axis(canopen.RemoteNode):
             self.network.unsubscribe(pdo.cob_id, pdo.on_message)
 
     def add_sdo(self, rx_cobid: int, tx_cobid: int) -> SdoClient:
-        """Create canopen's SDO client for this node; it needs no thread."""
+        """Create an SDO client for this node, which, unlike canopen's own, needs no receiving thread."""
         client = LineSdoClient(rx_cobid, tx_cobid, self.object_dictionary)
         self.sdo_channels.append(client)
         return client
@@ -224,7 +224,7 @@ class Axis(canopen.RemoteNode):
             speed.transmit()
 
     def end_handshake(self) -> None:
-        """Withdraw the request for a new set-point after the drive's answer, and count set-points that it
+        """Clear the controlword's bit "new set-point" after the drive's answer, and count set-points that it
         ignored.
         """
         if not self._asks or not self.answered:
@@ -265,7 +265,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def unanswered(self) -> int:
-        """Number of SYNCs since the last one that the drive answered."""
+        """Number of SYNCs sent since the last one to which the drive answered."""
         return self._asked - self._answered
 
     @property
@@ -280,7 +280,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def answered(self) -> bool:
-        """True if all answers to the last SYNC have arrived."""
+        """True if all of the drive's answers (TPDOs) to the last SYNC have arrived."""
         return len(self._fresh) == len(self.layout.answers)
 
     def _on_answer(self, pdo: PdoMap) -> None:
@@ -363,7 +363,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def tells_torque(self) -> bool:
-        """True if the drive has a torque actual value (6077h)."""
+        """True if the drive has the object torque actual value (6077h), from which its torque can be read."""
         return 0x6077 not in self.left_out
 
     @property
@@ -377,7 +377,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def stands(self) -> bool:
-        """True if the last reported velocity is about zero."""
+        """True if the drive's last reported velocity is below a small share of the axis' top speed."""
         return abs(self.velocity) <= _STANDS * self.limits.speed
 
     @property

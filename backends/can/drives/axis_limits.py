@@ -39,7 +39,9 @@ class AxisLimits(NamedTuple):
 
 
 def rim_speed(robot: RobotFile) -> float:
-    """Return the speed of a wheel's rim at the base's top speed and top turn rate together, in [m/s]."""
+    """Return the speed of the outer wheel's rim, in [m/s], when the base drives at top speed and top turn
+    rate.
+    """
     drive = robot.drive
     return drive.top_speed_m_s + math.radians(drive.top_turn_deg_s) * drive.tread_m / 2
 

@@ -101,7 +101,9 @@ def _mode(axis: Axis, period: float) -> Iterator[ObjectValue]:
 
 
 def interpolation_time(period: float) -> tuple[int, int]:
-    """Return a period in [s] in the form of object 60C2h: a value and a power of ten."""
+    """Return a period, given in [s], in the form of object 60C2h: a value and the exponent of a power of
+    ten.
+    """
     for index in (-3, -4, -5, -2, -6):
         value = period / 10.0**index
         if abs(value - round(value)) < 1e-6 and 1 <= round(value) <= 255:

@@ -7,7 +7,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class AxisUnits:
-    """Conversion between a drive's counts and [m] or [rad]; counts never leave `backends/can`."""
+    """Conversion between a drive's position in counts and the axis' position in [m] or [rad].
+
+    Counts are used only in `backends/can`.
+    """
 
     scale: float
     """Counts for a metre or a radian; negative if the drive counts down where the axis' position grows."""

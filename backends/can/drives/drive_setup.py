@@ -60,7 +60,7 @@ def set_up(axes: Iterable[Axis], spec: CanSpec, period: float) -> None:
 
 
 def look(axes: Iterable[Axis]) -> None:
-    """Read the positions of the drives; raise `CanFault` if one can't be read."""
+    """Read position, velocity and torque of each drive by SDO; raise `CanFault` if a drive can't be read."""
     for axis in axes:
         readings = [
             0 if value in axis.left_out else _known(axis, ObjectValue(value, 0, 0))

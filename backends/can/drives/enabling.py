@@ -28,7 +28,7 @@ _NEXT = {
 
 
 def enable(axes: Sequence[Axis], simulated: bool, beat: Callable[[], None]) -> None:
-    """Enable all axes at rest, then start them on the network; if one isn't ready, none stays enabled.
+    """Enable all axes at rest, then let them send and receive PDOs; if one axis fails, none stays enabled.
 
     Args:
         axes: axes on a network, set up.

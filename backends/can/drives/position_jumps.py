@@ -17,9 +17,10 @@ _LIKE = 0.02  # share by which a jump may differ from the range of an encoder
 class PositionJumps:
     """Plausibility test of the difference between two successive measured positions of a drive.
 
-    The difference, in [counts], must lie between no motion and twice the motion at the highest speed that was
-    reported or commanded in the last three periods; twice, because periods differ in length. An encoder that
-    wraps jumps against its motion, so the test finds jumps that are smaller than the following error window.
+    The difference, in [counts] of the encoder, must lie between no motion and twice the motion at the highest
+    speed that was reported or commanded in the last three periods; twice, because periods differ in length.
+    When an encoder's count wraps, it jumps against the direction of motion, so the test finds even jumps
+    smaller than the window of the following error.
     """
 
     def __init__(self, limits: AxisLimits, scale: float, period: float) -> None:
@@ -46,8 +47,8 @@ class PositionJumps:
         self._speeds += (reported, commanded)
 
     def excess(self, moved: int, periods: int) -> float:
-        """Return by how many counts a travel lies outside the plausible range, signed; 0 for a plausible
-        travel.
+        """Return the counts by which a travel exceeds the plausible range; negative below the range, 0 within
+        it.
 
         Args:
             moved: signed difference of two measured positions, in [counts].

@@ -16,7 +16,7 @@ _PERIODS = 8.0  # of the fastest motion: a shorter range leaves open which way a
 
 
 class PositionRange(NamedTuple):
-    """Range from the lowest to the highest count, both included."""
+    """Range of a drive's position counts, from the lowest to the highest count, both included."""
 
     lowest: int
     highest: int

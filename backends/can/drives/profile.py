@@ -27,7 +27,7 @@ def ramp(velocity: float, target: float, rate: float, seconds: float) -> tuple[f
 def approach(
     way: float, velocity: float, top: float, rates: tuple[float, float], seconds: float
 ) -> tuple[float, float]:
-    """Return the motion with a trapezoidal velocity profile to a point, from any initial velocity.
+    """Compute a motion towards a point, with a trapezoidal velocity profile and any initial velocity.
 
     Args:
         way: position of the point minus position of the axis, in [m] or [rad].
@@ -37,8 +37,8 @@ def approach(
         seconds: duration, in [s].
 
     Returns:
-        The remaining distance to the point, signed like `way`, in [m] or [rad], and the velocity at the end,
-        in [m/s] or [rad/s].
+        The distance that remains after `seconds` to the point, signed like `way`, in [m] or [rad], and the
+        velocity at the end, in [m/s] or [rad/s].
     """
     for _ in range(round(seconds / _CYCLE)):
         if way == 0.0 and velocity == 0.0:

@@ -87,7 +87,7 @@ def _sign_defaults(dictionary: ObjectDictionary) -> None:
 
 
 def missing_objects(dictionary: ObjectDictionary, needed: Mapping[int, str], name: str) -> list[Finding]:
-    """Return a finding if an EDS file lacks needed objects.
+    """Return a finding that names the needed objects that an EDS file lacks; an empty list if it has all.
 
     Args:
         dictionary: objects of the file.

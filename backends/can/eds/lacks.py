@@ -62,7 +62,9 @@ DEVICE_LACKS: Mapping[Without, Lack] = {
 
 
 def left_out(axis: AxisSpec) -> frozenset[int]:
-    """Return the indices of the objects that, by the robot's file, an axis' drive lacks (`without`)."""
+    """Return the indices of the objects that an axis' drive lacks by the key `without` of the robot's
+    file.
+    """
     return frozenset(index for item in axis.without for index in DEVICE_LACKS[item].objects)
 
 
@@ -75,8 +77,9 @@ def lack_of(index: int) -> Without | None:
 
 
 def accepting(index: int) -> str:
-    """Return the end of a message, about how a robot's file accepts a drive without an object; "" if it
-    cannot.
+    """Return the end of a message that says how a robot's file can accept a drive without an object.
+
+    "" if no drive may lack the object.
     """
     word = lack_of(index)
     return (

@@ -19,7 +19,7 @@ _MOST = 100.0  # [rad/s], [m/s²]: no robot turns or falls like that
 class LineImu(LineSensor, Imu):
     """IMU on a serial port or socket that sends its readings as lines `$IMU`; its axes are those of the base.
 
-    It may send more or fewer than one line in a control period.
+    Several lines or none may arrive in a control period.
     """
 
     KIND = "IMU"
@@ -43,10 +43,10 @@ class LineImu(LineSensor, Imu):
     def accelerations(self) -> FloatArray:
         """Return the accelerations (3,) along the base's x, y and z, in [m/s²]; +9.81 along z at rest.
 
-        They are the mean of the lines that arrived in one control period.
+        They are the mean of the readings that arrived in one control period.
 
         Raises:
-            StaleSensor: the last line is older than the robot's file allows.
+            StaleSensor: the last reading is older than the robot's file allows.
         """
         self.check_fresh()
         return self._mean[3:].copy()

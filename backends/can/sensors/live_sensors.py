@@ -37,7 +37,7 @@ def open_sensors(robot: RobotFile, sensors: SensorsSpec, clock: Clock = time.mon
 
     Args:
         robot: robot file, whose sections state what the sensors measure.
-        sensors: where the sensors are connected: the key `sensors` of the section `can`.
+        sensors: connections of the sensors, from the key `sensors` of the section `can`.
         clock: gives the time in [s].
 
     Raises:
@@ -60,14 +60,15 @@ def open_sensors(robot: RobotFile, sensors: SensorsSpec, clock: Clock = time.mon
 
 
 def await_first(sensors: list[LiveSensor], seconds: float = _FIRST) -> None:
-    """Wait until each sensor but satellite receivers has delivered a reading.
+    """Wait until each sensor has delivered a reading, except satellite receivers.
 
     Args:
-        sensors: all sensors; receivers are read as well, but may have their first fix later.
+        sensors: all sensors; satellite receivers among them are read as well, but may have their first fix
+            later.
         seconds: longest wait, in [s].
 
     Raises:
-        NoSensor: a sensor delivered none.
+        NoSensor: a sensor has not delivered a reading in that time.
     """
     end = time.monotonic() + seconds
     waited = [sensor for sensor in sensors if not isinstance(sensor, Gps)]

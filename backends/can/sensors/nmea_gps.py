@@ -21,9 +21,9 @@ from .utc_order import UtcOrder
 class NmeaGps(LiveSensor, Gps):
     """Satellite receiver that reads the NMEA sentences GGA and, if sent, GST.
 
-    Positions are in a plane at the task's origin, in which a distance is correct to 1 mm up to 10 km from
-    the origin. A fix is used once, and only if its time of day advances with this machine's clock: see
-    `UtcOrder`.
+    Positions are in the plane that touches the earth at the origin stated in the robot's file; up to 10 km
+    from the origin, distances in it are correct to 1 mm. A fix is used once, and only if its time of day
+    advances with this machine's clock: see `UtcOrder`.
     """
 
     def __init__(self, source: GpsSource, clock: Clock = time.monotonic) -> None:

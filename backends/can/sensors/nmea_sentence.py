@@ -45,7 +45,7 @@ class Position(NamedTuple):
 
     @property
     def is_fix(self) -> bool:
-        """Return True if satellites measured the position."""
+        """True if satellites measured the position."""
         return self.quality in SATELLITE_FIXES
 
 

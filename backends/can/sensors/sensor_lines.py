@@ -77,7 +77,11 @@ def _range(text: str) -> float:
 
 
 def body_of(line: bytes) -> bytes:
-    """Return the text between `$` and `*`; raise ValueError if its checksum differs."""
+    """Return the part between `$` and `*` of a line of the sensors' line protocol.
+
+    Raises:
+        ValueError: the line is not of the form `$...*XX`, or its checksum XX is wrong.
+    """
     framed = _FRAMED.fullmatch(line)
     if framed is None or int(framed.group(2), 16) != checksum(framed.group(1)):
         raise ValueError("damaged")

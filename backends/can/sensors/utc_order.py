@@ -37,7 +37,8 @@ class UtcOrder:
         """Last times that did not count because they were early, but advance with the machine's clock."""
 
     def is_new(self, utc: float, now: float) -> bool:
-        """Return True if a received time of day is accepted as new; later times are then compared with it.
+        """Return True if a received time of day is new; if so, it becomes the reference for the times after
+        it.
 
         Args:
             utc: received time of day, in [s].

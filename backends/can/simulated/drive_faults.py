@@ -8,7 +8,9 @@ from dataclasses import dataclass, field
 
 @dataclass
 class DriveFaults:
-    """Faults of a simulated drive, none at first; a bench sets them. [counts] are counts of its encoder."""
+    """Faults of a simulated drive, none at first; a bench sets them. The unit [counts] is a step of the
+    drive's encoder.
+    """
 
     silent: bool = False
     """True if the drive sends no PDOs any more, though it still receives frames."""
@@ -44,7 +46,7 @@ class DriveFaults:
         return self.gain == 1.0 and self.late == 0
 
     def astray(self, way: float) -> float:
-        """Return the error that the faults cause: the motor's position minus its set-point, in [counts].
+        """Update and return the position error that the faults cause: motor minus set-point, in [counts].
 
         Args:
             way: motion of the set-point in this period, in [counts].

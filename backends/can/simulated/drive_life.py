@@ -80,7 +80,7 @@ class DriveLife:
         self._go("_disable")
 
     def fail(self) -> None:
-        """Begin the reaction to a fault."""
+        """Begin the simulated drive's reaction to a fault (state FAULT REACTION ACTIVE)."""
         self._go("_fail")
 
     def settle(self) -> None:

@@ -59,7 +59,7 @@ class DriveMode(ABC):
         return
 
     def latch(self) -> None:
-        """Apply the received set-points at a SYNC."""
+        """Apply the set-points that were received before a SYNC; called at each SYNC."""
         return
 
     @abstractmethod

@@ -6,10 +6,14 @@ from canopen.nmt import NmtSlave
 
 
 class DriveNmt(NmtSlave):
-    """canopen's NMT slave, whose heartbeats are sent as simulated time passes instead of by a thread."""
+    """NMT slave of canopen for a simulated drive, with heartbeats by simulated time instead of by a
+    thread.
+    """
 
     def start_heartbeat(self, heartbeat_time_ms: int) -> None:
-        """Send a heartbeat once per interval, in [ms] of simulated time; 0: none."""
+        """Begin to send a heartbeat in each interval of `heartbeat_time_ms` [ms] of simulated time; 0 sends
+        none.
+        """
         self._heartbeat_time_ms = heartbeat_time_ms
         self._waited = 0.0
 

@@ -43,16 +43,16 @@ HEARTBEAT_LOST, RPDO_LATE, FOLLOWING = 0x8130, 0x8250, 0x8611
 class DriveNode(canopen.LocalNode):
     """A simulated servo drive with state machine, motion modes, homing, and supervision of bus and motor.
 
-    The drive reads no clock: `advance` advances its time, and a SYNC consists of `latch` and `answer`.
+    The drive reads no clock: `advance` advances its time. At each SYNC, `latch` and `answer` are called.
     `driven` is the set-point of the motor; `moved` sets the position that the motor reached (see `Plant`).
     Without torque (SWITCH ON DISABLED ...) a brake stops the motor as the quick stop does, and holds it.
 
     SDO access to objects that the drive's EDS lacks is aborted, and modes that 6502h lacks cannot be
     selected.
 
-    Differences from real drives: the motor of a `Plant` has no current; any setting is accepted in any
-    state; following errors are watched in position modes alone; the only digital input is the negative
-    limit switch.
+    Differences from real drives: the motor of a `Plant` has no current; any setting is accepted in any state;
+    following errors are supervised only in position modes; the only digital input is the negative limit
+    switch.
     """
 
     def __init__(self, node: int, dictionary: ObjectDictionary | None = None) -> None:

@@ -63,7 +63,7 @@ class SimulatedDrives:
         self.line.drain()
 
     def tick(self, seconds: float) -> None:
-        """Advance drives and load by `seconds` [s]."""
+        """Advance the simulated drives and the mechanics that they move by `seconds` [s], without a SYNC."""
         self.time += seconds
         for look in self.onlookers:
             look()

@@ -34,7 +34,9 @@ class StrangerWatch(Watch):
             self._seen = self._seen or frame
 
     def check(self, now: float) -> None:
-        """Raise `Stranger` if a frame of another master was received, at a time `now` in [s]."""
+        """Raise `Stranger` if a frame was received that only another bus master can have sent; `now` is not
+        used.
+        """
         if self._seen is not None:
             data = self._seen.data.hex(" ")
             raise Stranger(f"a master's frame, {self._seen.arbitration_id:03X}h [{data}]")

@@ -13,7 +13,9 @@ def plain(frame: can.Message) -> bool:
 
 
 class Watch(ABC):
-    """Detector of one kind of fault of a CAN bus; it receives every frame and is checked once a period."""
+    """Detector of one kind of fault of a CAN bus; it receives every frame, and `check` is called once a
+    control period.
+    """
 
     def begin(self, now: float) -> None:
         """Begin to watch the drives when they have been enabled; `now` is the time in [s]."""

@@ -60,7 +60,8 @@ class MujocoJoints(JointGroup):
     def give(
         self, off: FloatArray, rates: FloatArray, effort: FloatArray, fastest: FloatArray, catches_up: float
     ) -> None:
-        """Follow set-points compliantly, like springs, and limit the speed at which a deviation is reduced.
+        """Follow set-points compliantly, like springs, and limit the speed at which a deviation from them is
+        reduced.
 
         Args:
             off: (n,) set-points minus present joints, in [rad] or [m].

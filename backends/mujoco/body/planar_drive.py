@@ -22,7 +22,7 @@ CATCHES_UP_S = 0.005
 class MujocoPlanarDrive(PlanarDrive):
     """Drive without wheels, in which three velocity servos of MuJoCo push the base in the plane.
 
-    They act ahead, to the left, and about the vertical.
+    The servos act ahead, to the left, and about the vertical axis.
     """
 
     def __init__(self, engine: MujocoEngine, mass: float, inertia: float, prefix: str) -> None:

@@ -15,7 +15,8 @@ _KEPT = ("actuator_gainprm", "actuator_biasprm", "actuator_forcerange")
 class GrowingModel:
     """MuJoCo model of a world to which bodies can be added during a run.
 
-    The model is compiled on first use, and again after additions; the state of existing bodies is kept.
+    The model is compiled on first use, and again after additions; the poses and speeds of existing bodies
+    stay as they are.
     """
 
     def __init__(self, step: float, compiled: Callable[[Any], None]) -> None:
@@ -48,7 +49,9 @@ class GrowingModel:
         return data
 
     def displaced(self) -> None:
-        """Mark all bodies' poses as outdated after a joint was set; the next call of `links` updates them."""
+        """Mark all bodies' poses as outdated after a joint was set; the next call of the method `links`
+        computes them from the joints.
+        """
         self._stale = True
 
     def forget(self) -> None:

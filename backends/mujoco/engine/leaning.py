@@ -14,7 +14,7 @@ _NO_ISLAND = -2
 
 
 class Leaning:
-    """Exceptions from MuJoCo's sleeping of resting bodies, for the robot and things that lean on it.
+    """Selector of the resting bodies that MuJoCo must not put to sleep: the robot and things that lean on it.
 
     MuJoCo does not simulate bodies that sleep. A sleeping thing that leans on the robot would not fall when
     the robot drives away, so it is kept awake; other things sleep when they come to rest.
@@ -42,7 +42,7 @@ class Leaning:
             self.set(model, np.pad(leaned, (0, len(self.trees) - len(leaned))))
 
     def look(self, model: Any, data: Any) -> None:
-        """Update the set of things that lean on the robot, after steps of the solver."""
+        """Update the set of things that lean on the robot, after the solver has made steps."""
         if self._robot is None:
             return
         island = data.tree_island
@@ -56,7 +56,8 @@ class Leaning:
         self._seen = seen
 
     def set(self, model: Any, leans: BoolArray) -> None:
-        """Keep the given trees awake, and let all others sleep when they come to rest.
+        """Keep the kinematic trees in `leans` and the robot awake, and let all others sleep when they come to
+        rest.
 
         Args:
             model: MuJoCo's model.

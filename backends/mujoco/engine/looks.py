@@ -22,7 +22,7 @@ class BoxLook(NamedTuple):
 
 
 class TileLook(NamedTuple):
-    """Appearance of a square of rough ground."""
+    """Appearance of a square tile of rough ground: the heights of a grid of points, for rendering."""
 
     corner: FloatArray
     cell: float
@@ -33,7 +33,7 @@ class TileLook(NamedTuple):
 class Looks:
     """Appearance of all bodies of a world, for rendering, by their numbers in the engine.
 
-    Entries are added, never removed.
+    An entry is added with each body, and never removed.
     """
 
     level: bool = False

@@ -92,8 +92,8 @@ class MujocoEngine(Engine):
         """Return MuJoCo's number of a link's body.
 
         Args:
-            number: number of the robot or thing in this engine.
-            link: index of the link in it.
+            number: number that this engine gave to the robot or thing with the link.
+            link: index of the link in that robot or thing.
         """
         return self._bodies[number, link]
 
@@ -117,7 +117,7 @@ class MujocoEngine(Engine):
         self._leaning.compiled(model, next(iter(self._links), None))
 
     def links(self) -> Any:
-        """Return MuJoCo's data with the current poses of all links."""
+        """Return MuJoCo's data (`MjData`) with the current poses of all links."""
         return self._grown.links()
 
     def displaced(self) -> None:
@@ -127,7 +127,8 @@ class MujocoEngine(Engine):
     def parts(self) -> Sequence[int]:
         """Return the number of solver steps in each part of a chunk, the time between two commands to drives.
 
-        Contact forces are read after each part and averaged, because a single impact's force is not typical.
+        Contact forces are read after each part and averaged, because the force of a single impact would
+        mislead.
         """
         often = max(0, min(TOUCH_CHECKS_PER_PERIOD, self.substeps // SLIP_CHECK_STEPS - 1))
         return (self.substeps - often * SLIP_CHECK_STEPS, *(SLIP_CHECK_STEPS,) * often)

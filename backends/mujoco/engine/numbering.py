@@ -16,7 +16,7 @@ _NOBODY = (-1, -1)
 
 
 class ThingNumbers(NamedTuple):
-    """MuJoCo's indices of a thing's body and joint."""
+    """Indices of a thing's body, joint coordinates and geometries in a compiled model of MuJoCo."""
 
     body: int
     position: int
@@ -30,8 +30,9 @@ class ThingNumbers(NamedTuple):
 class Numbering:
     """Assignment between MuJoCo's indices in a compiled model and the numbers of bodies in this engine.
 
-    It knows the body and link of each geometry, and the coordinates of each movable thing. A geometry of a
-    body other than the robot is named by the body's number, such as `7` or `7.1`.
+    It knows the body and link of each geometry, and the coordinates of each movable thing. Geometries of the
+    robot have any name; those of another body have the body's number as their name, such as `7`, or `7.1` for
+    a further geometry.
     """
 
     def __init__(self, model: Any, links: Mapping[int, tuple[int, int]], things: Collection[int]) -> None:

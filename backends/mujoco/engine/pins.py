@@ -21,8 +21,7 @@ class Pins:
     """Point constraints of MuJoCo (pins) that fix a held thing to the hand; each grasp may have another
     thing.
 
-    They are equality constraints of the model, after those of joints that mimic others, which have one row
-    each.
+    In the model, the pins come after the equality constraints that couple joints to others (mimic joints).
     """
 
     def __init__(self) -> None:
@@ -30,12 +29,13 @@ class Pins:
         self._there, self._first = False, 0
 
     def prepare(self, spec: Any, hand: str, other: str) -> None:
-        """Add the constraints, inactive, to the `MjSpec` of a world.
+        """Add the constraints that can fix a held thing to the hand to the `MjSpec` of a world; they are
+        inactive.
 
         Args:
             spec: the `MjSpec`.
             hand: name of the hand's body.
-            other: name of any other body, which stands in for the held body until something is held.
+            other: name of any other body, a placeholder until something is held.
         """
         kinds, what = mujoco().mjtEq, mujoco().mjtObj
         self._first = len(spec.equalities)
@@ -50,7 +50,7 @@ class Pins:
         return bool(data.eq_active[self._first])
 
     def pull(self, data: Any) -> float:
-        """Return the mean force at the points by which the pins hold the thing, in [N]."""
+        """Return the mean of the forces in [N] that the pins exert on the held thing, one at each point."""
         forces = data.efc_force[self._first : self._first + 3 * MAX_PIN_POINTS].tolist()
         return (
             sum(math.hypot(*forces[row : row + 3]) for row in range(0, 3 * MAX_PIN_POINTS, 3))

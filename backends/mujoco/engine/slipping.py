@@ -56,10 +56,10 @@ class Slipping:
         self._pins.open(data)
 
     def look(self, model: Any, data: Any, hand: int, other: int) -> None:
-        """Update the hold after a step of the solver.
+        """Release or fix the held thing after a step of the solver.
 
-        The held thing slips if it is pulled harder than friction allows. It is fixed again when it moves more
-        slowly in the hand than `STICKING_SPEED_M_S`.
+        The held thing slips if it is pulled harder than friction allows. It is fixed to the hand again when
+        it moves more slowly in the hand than `STICKING_SPEED_M_S`.
 
         Args:
             model: MuJoCo's model.

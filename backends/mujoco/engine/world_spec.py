@@ -57,7 +57,9 @@ GROUND_DEPTH_M = 1.0  # [m] of solid ground below the lowest point of a tile
 
 
 class WorldSpec:
-    """Builder of a world's `MjSpec`, MuJoCo's editable model; a body's number in the engine is its name."""
+    """Builder of a world's `MjSpec`, MuJoCo's editable model; each body is named by its number in this
+    engine.
+    """
 
     def __init__(self, step: float) -> None:
         """Create a world whose solver has steps of that length, in [s]."""
@@ -163,9 +165,8 @@ class WorldSpec:
     def solid(self, body: Any, name: str, friction: float, **shape: Any) -> None:
         """Add a geometry with a coefficient of friction to a body.
 
-        MuJoCo uses the larger coefficient of two touching geometries, not the product of both. A geometry is
-        therefore given the square of its coefficient; two geometries with equal coefficients then get their
-        product.
+        MuJoCo uses the larger coefficient of two touching geometries, not the product of both. Each geometry
+        therefore gets the square of its coefficient, so that two equal coefficients act as their product.
         """
         body.add_geom(
             name=name,

@@ -18,7 +18,10 @@ _MOST = 20_000  # shapes
 
 
 class Photographer:
-    """Renderer of a `PictureStage`, the model of a scene for pictures, for any camera pose and intrinsics."""
+    """Renderer of pictures of a scene, for any camera pose and intrinsics.
+
+    It renders MuJoCo's model of the scene for pictures (`PictureStage`).
+    """
 
     def __init__(self, stage: PictureStage, size: tuple[int, int]) -> None:
         """Prepare pictures of a width and height `size` in [px].

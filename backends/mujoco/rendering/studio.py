@@ -17,7 +17,7 @@ from .style import Style
 
 
 class Studio:
-    """Renderer of pictures of an engine's world, for a fixed picture size and style.
+    """Renderer of pictures of an engine's world, for one picture size and one style (light and colours).
 
     It builds its model for rendering again when bodies are added to the world.
     """

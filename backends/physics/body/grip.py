@@ -26,11 +26,11 @@ CONSTRAINT_FORCE_N = 500.0  # with which a constraint holds at each point [N]
 class Grip:
     """Connection between the hand and a thing on which both fingers press, at points of the finger pads.
 
-    With the grasp `friction` (key `gripper.grasp` of the robot's file) the thing is held like by soft fingers
-    (Howe and Cutkosky 1996). The points and the engine's own contacts together carry forces along the pads,
-    and torques about the pads' normal, up to the limit of Coulomb's friction; beyond it the thing slips. The
-    engine's contacts carry the share `Engine.CONTACTS_CARRY` of this limit. With the grasp `constraint`
-    nothing slips.
+    With the grasp `friction` (key `gripper.grasp` of the robot's file) the thing is held as soft fingers hold
+    it (Howe and Cutkosky 1996). The points and the engine's own contacts together carry forces along the
+    pads, and torques about the pads' normal, up to the limit of Coulomb's friction. Under a larger load the
+    thing slips. The engine's contacts carry the share `Engine.CONTACTS_CARRY` of this limit. With the grasp
+    `constraint` nothing slips.
     """
 
     def __init__(self, spec: GripperSpec, finger: FingerShape, engine: Engine, body: RobotBody) -> None:
@@ -76,7 +76,7 @@ class Grip:
 def pads_in(engine: Engine) -> ContactSurface:
     """Return the contact surface of the fingers in an engine.
 
-    It has only the share `Engine.CONTACTS_CARRY` of the pads' friction; `Grip` provides the rest.
+    The surface has only the share `Engine.CONTACTS_CARRY` of the pads' friction; `Grip` simulates the rest.
     """
     return PAD_SURFACE._replace(friction=engine.CONTACTS_CARRY * PAD_FRICTION)
 

@@ -14,7 +14,8 @@ MIN_TORQUE_RATIO = 0.03  # share of its torque that such a drive always has to g
 
 
 class JointGroup(ABC):
-    """Some joints of the robot in a physics engine, to read and to drive.
+    """A group of the robot's joints in a physics engine, whose positions are read and whose drives are
+    commanded.
 
     A command to the drives holds until the next one. The time between two commands is a control period or a
     part of it (a chunk, see `Engine.chunk`). Arrays (n,) are in the order in which the joints were selected;
@@ -54,7 +55,7 @@ class JointGroup(ABC):
         `FULL_TORQUE_ERROR_RAD`.
 
         Args:
-            off: (n,) set-points minus present joints, in [rad] or [m].
+            off: (n,) set-points minus present joint positions, in [rad] or [m].
             rates: (n,) rates of the set-points, in [rad/s] or [m/s].
             effort: (n,) maximum effort of the drives, in [Nm] or [N].
             fastest: (n,) maximum speeds at which `off` decreases, in [rad/s] or [m/s].

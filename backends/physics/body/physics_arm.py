@@ -75,7 +75,7 @@ class PhysicsArm(SimulatedArm):
         return self._felt()
 
     def begin(self, period: int) -> None:
-        """Start the period with a number: accept the last command, and draw the period's noise."""
+        """Start the control period number `period`: accept the last command, and draw the period's noise."""
         self._begin(period, loaded=self.load[0] > 0.0)
 
     def act(self, share: float, period: float) -> None:
@@ -117,7 +117,7 @@ class PhysicsArm(SimulatedArm):
         return torques
 
     def end(self) -> None:
-        """End a period: the set-points of the next one start at the last command."""
+        """End a control period; in the next one, the set-points move on from this period's command."""
         self._from = self._command.copy()
 
     def _load_torque(self, angles: FloatArray) -> FloatArray | float:

@@ -82,7 +82,9 @@ class PhysicsGripper(SimulatedGripper):
         self._joints.stand(np.array([goal, goal]), self._most, FINGER_STEP_RATIO, np.array([rate, rate]))
 
     def end(self) -> None:
-        """End a period: update the target width, and whether the fingers press on something."""
+        """End a period: move the set-point of the opening on, and record whether the fingers press on
+        something.
+        """
         self._target += max(-self._step, min(self._step, self._command - self._target))
         width = self.true_width()
         self._target = max(self._target, width - MAX_SET_POINT_LEAD_M)

@@ -47,7 +47,11 @@ class PhysicsHolonomicBase(CommandedHolonomicBase):
         self._given, self._periods = 0.0, 0
 
     def begin(self, period: int) -> None:
-        """Start a period with the base's last command."""
+        """Start the motion of a period, in the direction and at the speed of the base's last command.
+
+        Args:
+            period: number of the period.
+        """
         speed, turn_rate, sideways = self._take_command()
         half = turn_rate * self._drive.tread_m / 2
         rims = (speed - half, speed + half, sideways)
@@ -67,7 +71,9 @@ class PhysicsHolonomicBase(CommandedHolonomicBase):
         self._given += turn
 
     def act(self) -> None:
-        """Command the wheels' drives for the next part of the control period."""
+        """Turn the wheels at the base's speeds in the next part of the control period, for their encoders
+        only.
+        """
         self.drives.follow()
 
     def read(self) -> None:

@@ -28,7 +28,9 @@ class PlanarDrive(ABC):
 
     @abstractmethod
     def limit(self, force: float, torque: float) -> None:
-        """Limit the force along each axis, in [N], and the torque about the vertical, in [Nm]."""
+        """Limit the drive's force ahead and to the left, in [N] each, and its torque about the vertical axis,
+        in [Nm].
+        """
 
     @abstractmethod
     def drive(self, twist: FloatArray) -> None:
@@ -102,14 +104,16 @@ class RobotBody(ABC):
 
     @abstractmethod
     def links_behind(self, joint: str) -> set[int]:
-        """Return the engine's numbers of the links that a joint moves."""
+        """Return the engine's numbers of all links that move when a joint moves."""
 
     def planar_drive(self) -> PlanarDrive:
         """Return the drive that pushes a holonomic base."""
         raise NoPlanarDrive("this engine drives no holonomic base; allowed: the backends kinematic, mujoco")
 
     def sprung_masses(self) -> dict[str, float]:
-        """Return the masses in [kg] of all links that the suspension carries, by name of the link."""
+        """Return the masses in [kg], by name, of all links that rest on the suspension: all but wheels,
+        casters and chassis.
+        """
         wheels = (CHASSIS_LINK, *self.wheels.all, *self.casters)
         return {name: self.mass(name) for name in self.link_index if name not in wheels}
 

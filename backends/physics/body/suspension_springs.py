@@ -21,11 +21,12 @@ _POSTURES = 200
 class SuspensionSprings:
     """Simulated suspension of a base by springs and dampers in roll and pitch.
 
-    Their axes are at the height in the robot's file. The base tilts under its own weight, the weight of the
-    load, and the force at the hand. The springs' stiffness follows from the robot's file: averaged over the
-    arm's postures, the weight of the arm alone tilts the base by `lean_mrad_per_m` for each metre between the
-    hand and the base's centre. In a single posture the tilt differs from this value, because the arm's centre
-    of mass is not at the hand. The base is upright when the hand is above the base's centre.
+    The axes of roll and pitch are at the height `lean_pivot_m` of the robot's file. The base tilts under its
+    own weight, the weight of the load, and the force at the hand. The springs' stiffness follows from the
+    robot's file: averaged over the arm's postures, the weight of the arm alone tilts the base by
+    `lean_mrad_per_m` for each metre between the hand and the base's centre. In a single posture the tilt
+    differs from this value, because the arm's centre of mass is not at the hand. The base is upright when the
+    hand is above the base's centre.
     """
 
     def __init__(self, robot: RobotFile, arm: ArmModel, body: RobotBody) -> None:

@@ -36,11 +36,13 @@ class ContactReader:
         self._pairs: Pairs = frozenset()
 
     def stepped(self) -> None:
-        """Discard the cached contacts; called after each step of the engine."""
+        """Discard the cached contacts, because the engine has made a step."""
         self._read.clear()
 
     def gripped(self) -> int | None:
-        """Return the engine's number of the thing that both fingers press on from opposite sides, or None."""
+        """Return the engine's number of the thing on which both fingers press from opposite sides; None
+        without one.
+        """
         if not self._fingers:
             return None
         across = self._body.link_pose("hand")[:3, 1]

@@ -21,7 +21,8 @@ MOST_LAG = 0.05  # that a blocked wheel makes up for later [rad]
 class WheelDrives:
     """Velocity drives and encoders of the wheels in a physics engine.
 
-    The drives control the wheels' angles, so that a lag is made up for, and the encoders read whole steps.
+    The drives control the wheels' angles, so that a wheel that lags catches up. The encoders' readings are
+    rounded to whole steps.
     """
 
     STATE: ClassVar = {"speeds": FloatArray, "_goal": FloatArray, "_first": FloatArray, "_given": FloatArray}

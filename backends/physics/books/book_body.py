@@ -58,7 +58,10 @@ class BookBody(ThingBody):
         return _picture(self.thing)
 
     def portrait(self) -> ByteArray:
-        """Return the colour picture (h, w, 3) in RGB of spine, cover and pages, laid out as `uvs` states."""
+        """Return the colour picture (h, w, 3) in RGB of a book's faces.
+
+        The spine is on the left; on its right are a strip in the cover's colour and one in the pages' colour.
+        """
         spine = spine_levels(self.thing.spec)[_PORTRAIT][0].astype(np.float64)[..., None]
         grey, cloth = max(1, self.thing.spec.grey), np.array(self.thing.material[:3])
         # Pixels as dark as the cloth or darker are ink, lighter ones are paper.
@@ -72,7 +75,7 @@ class BookBody(ThingBody):
         return self.thing.shelf is not None
 
     def look(self, eye: FloatArray) -> None:
-        """Show the print on the book if a camera is nearer than 1.5 m, otherwise a plain box.
+        """Show the printed spine on the book if the camera is nearer than 1.5 m, otherwise a plain grey box.
 
         Args:
             eye: (3,) position of the camera in the world, in [m].

@@ -25,7 +25,9 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Pinned:
-    """Rigid connection of two bodies at points (n, 3), in [m], in frames at both bodies' centres of mass."""
+    """Rigid connection of two bodies at common points, given as (n, 3) in [m] in a frame at the centre of
+    mass of each body.
+    """
 
     body: int
     link: int
@@ -100,7 +102,8 @@ class Engine(ABC):
         """Advance the simulation.
 
         Args:
-            steps: number of solver steps, one of `parts`; None: all steps of a chunk.
+            steps: number of solver steps, one of the numbers in `parts`; None: all steps of a chunk, which is
+                the time between two commands to the drives.
         """
 
     @abstractmethod
@@ -127,7 +130,7 @@ class Engine(ABC):
             box: pose in the world and size, in [m].
             friction: Coulomb's coefficient of friction, without unit.
             grey: grey of its sides in the robot's cameras, 0 to 255.
-            moves: True for a box that `set_pose` may put elsewhere.
+            moves: True for a box that the program may move by `set_pose`.
             material: appearance in pictures for people.
         """
 
@@ -169,7 +172,7 @@ class Engine(ABC):
 
     @abstractmethod
     def set_pose(self, body: int, pose: Transform) -> None:
-        """Move a body, at rest, to a pose world_T_body (4, 4) of its centre of mass."""
+        """Put a body to rest at a pose world_T_body (4, 4) of its centre of mass."""
 
     @abstractmethod
     def pull(self, body: int | None, force: FloatArray) -> None:
@@ -196,7 +199,10 @@ class Engine(ABC):
 
     @abstractmethod
     def touching(self, body: int) -> Collection[Touching]:
-        """Return the touching pairs of a body as `contacts` does, without points and forces, but faster."""
+        """Return the pairs of touching links of a body and other bodies, or of the robot and itself.
+
+        It returns the same pairs as `contacts`, without points and forces, but faster.
+        """
 
     @abstractmethod
     def contacts(self, body: int) -> Sequence[ContactPoint]:

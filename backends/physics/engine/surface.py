@@ -29,8 +29,10 @@ class ContactSurface(NamedTuple):
 
     @property
     def point_stiffness(self) -> float | None:
-        """Return the stiffness of each contact point together with the ground, in [N/m]: two springs in
-        series.
+        """Return the stiffness of a contact point between this surface and the ground, in [N/m].
+
+        It is that of the surface's and the ground's stiffness in series; None if the engine's own stiffness
+        applies.
         """
         if self.sinks == 0.0 or self.stiffness is None:
             return self.stiffness

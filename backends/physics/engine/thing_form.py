@@ -67,7 +67,9 @@ Piece = Cuboid | Rod | Wedge
 
 
 class Sticks(NamedTuple):
-    """Contact properties of a body that static friction keeps at its place under small forces."""
+    """Contact stiffness and damping for a body that has to stay at its place under small forces, by static
+    friction.
+    """
 
     stiffness: float
     """Stiffness of each contact point, in [N/m]."""

@@ -31,7 +31,9 @@ class Magazine(PropsBody):
 
     @property
     def keeps_grip(self) -> bool:
-        """True for 8 periods after a sensor was handed over, while the fingers do not have to press yet."""
+        """True for 8 periods after the hand took a sensor, in which the fingers do not have to press on it
+        yet.
+        """
         return self._given < PRESSING_PERIODS
 
     @override
@@ -49,16 +51,17 @@ class Magazine(PropsBody):
             sensor.rest, self._given = Rest.HAND, 0
 
     def act(self) -> None:
-        """Keep the waiting sensor at its place on the robot while the robot moves."""
+        """Keep the next sensor at its place in the magazine while the robot moves."""
         sensor, (engine, body, world, *_) = self._waiting(), self.pieces
         if sensor is not None and sensor.name in world.bodies:
             pose = body.base_pose() @ sensor.base_T_thing @ sensor.thing_T_middle
             engine.set_pose(world.bodies[sensor.name], pose)
 
     def end(self) -> None:
-        """Put the waiting sensor back at its place on the robot.
+        """Put the next sensor back at its place in the magazine.
 
-        It has fallen during the period if the engine simulates a period without interruption.
+        An engine that simulates a control period in one piece lets the sensor fall in it, because `act` is
+        not called in between.
         """
         if self.pieces.engine.chunks == 1:
             self.act()

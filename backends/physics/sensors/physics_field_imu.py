@@ -17,7 +17,7 @@ REST_SPEED_M_S = 2e-3  # [m/s]: a slower base is at rest
 class PhysicsFieldImu(FieldImu):
     """Simulated IMU on rough ground (`FieldImu`) for physics engines.
 
-    In an engine a base is never completely at rest, so a speed below 2 mm/s is read as rest.
+    In an engine a base is never completely at rest, so speeds below 2 mm/s count as rest.
     """
 
     def advance(self, period: int) -> None:
@@ -33,6 +33,8 @@ class PhysicsFieldImu(FieldImu):
 
 
 def physics_imu_for(site: SensorSite[ImuSpec]) -> SimulatedImu:
-    """Return the IMU of a simulation with physics: `PhysicsFieldImu` for a car on rough ground."""
+    """Return the IMU of a simulation with physics: `PhysicsFieldImu` for a car on rough ground, otherwise
+    `PhysicsImu`.
+    """
     rough = site.robot.drive.kind == "ackermann" and site.world.ground is not None
     return PhysicsFieldImu.build(site) if rough else PhysicsImu.build(site)

@@ -15,7 +15,8 @@ from handcart.robotics.numerics.arrays import FloatArray
 class PhysicsImu(SimulatedImu):
     """Simulated IMU in a physics engine.
 
-    Its accelerometers also measure the base's acceleration, as a mean over two periods.
+    Unlike in `SimulatedImu`, its accelerometers measure the base's acceleration too, as a mean over two
+    control periods.
     """
 
     STATE: ClassVar = {**SimulatedImu.STATE, "_place": FloatArray, "_speed": FloatArray, "_sped": FloatArray}

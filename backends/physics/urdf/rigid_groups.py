@@ -18,14 +18,15 @@ _BASE = "base"
 
 
 def passing_pairs(urdf: str, still: Collection[str]) -> Iterator[Pair]:
-    """Yield the pairs of links between which collisions are not simulated, as in `CollisionModel`.
+    """Yield the pairs of links between which collisions are not simulated; `CollisionModel` excludes the same
+    pairs.
 
     These are links that cannot move relative to each other, because all joints between them are fixed or held
     still, and links that are connected by one moving joint.
 
     Args:
         urdf: text of the robot's URDF.
-        still: joints that move by the URDF, but are held at their positions.
+        still: joints that can move by the URDF, but are held at their positions.
     """
     carrier = _carriers(urdf)
     group = {link: _carried_by(link, carrier, _moving(urdf, still)) for link in links_with_bodies(urdf)}
@@ -38,11 +39,14 @@ def passing_pairs(urdf: str, still: Collection[str]) -> Iterator[Pair]:
 
 
 def floor_T_body_links(urdf: str, rolling: Collection[str]) -> dict[str, Transform]:
-    """Return the poses floor_T_link (4, 4), by link, of the links that are fixed to the base above the floor.
+    """Return the poses floor_T_link (4, 4), by name, of the links that no moving joint connects to the base.
+
+    Links in `rolling` are left out.
 
     Args:
         urdf: text of the robot's URDF.
-        rolling: links that roll or slide on the floor, whose lowest point is at z = 0.
+        rolling: links that roll or slide on the floor; the lowest point of all of them is at z = 0, the
+            floor.
     """
     poses, carrier = link_poses(urdf), _carriers(urdf)
     moving = _moving(urdf, ())

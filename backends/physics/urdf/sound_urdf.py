@@ -26,7 +26,7 @@ DEFAULT_HOLDING_EFFORT = 1000.0
 
 
 class SoundUrdf(NamedTuple):
-    """URDF of a robot, corrected for physics engines; see `sound_urdf`."""
+    """URDF of a robot, corrected for physics engines, with its convex meshes and the list of corrections."""
 
     text: str
     """The URDF as text; its collision meshes are named as in `hulls`."""
@@ -67,8 +67,8 @@ def held_still(robot: RobotFile) -> dict[str, tuple[float, float]]:
     """Return the joints, except continuous ones, that have no drive in the robot's file, such as a head's.
 
     Returns:
-        By name of the joint: the position that kinematics assumes, in [rad] or [m], and the effort that holds
-        the joint there, in [Nm] or [N].
+        By name of the joint: the position of the joint in the robot's kinematic model, in [rad] or [m], and
+        the effort that holds the joint there, in [Nm] or [N].
     """
     leaders = joint_leaders(robot.urdf_text())
     moved: Collection[str] = {*(robot.arm.joints if robot.arm else ()), *MOVED_JOINTS, *ROCKER_JOINTS}

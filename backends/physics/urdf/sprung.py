@@ -17,14 +17,15 @@ _MASSES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz", "value")
 
 
 def sprung(urdf: str, pivot: float, rolling: Collection[str]) -> str:
-    """Return the URDF of a robot with a suspension: joints for roll and pitch between a chassis and the base.
+    """Return a robot's URDF with a suspension, which is a new link (the chassis) below the base, and joints
+    for roll and pitch between both.
 
     Mass and dimensions do not change.
 
     Args:
         urdf: a robot whose root is the link `base`.
         pivot: height of the tilt axis, in [m].
-        rolling: links directly at the base that belong to the chassis.
+        rolling: names of the links that hang on the chassis instead of on the base, such as wheels.
     """
     robot = ElementTree.fromstring(urdf)
     base = next(link for link in robot.findall("link") if link.get("name") == "base")

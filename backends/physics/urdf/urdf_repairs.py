@@ -16,7 +16,9 @@ MIN_INERTIA_RATIO = 1e-6
 
 
 class Repair(NamedTuple):
-    """A correction of a link's mass or inertia, as text."""
+    """A correction of a link's mass or inertia in a URDF, described for a message: name of the link, and what
+    was changed.
+    """
 
     link: str
     what: str

@@ -24,9 +24,9 @@ def slipping_torque(mass: float, radius: float, wheels: int) -> float:
 
 
 def with_wheel_efforts(urdf: str, wheels: Collection[str], radius: float) -> str:
-    """Set the effort limit of driven wheels that have none to the torque at which their tyres slip.
+    """Give driven wheels without an effort limit the torque at which their tyres slip as the limit.
 
-    The joints' own friction and damping are removed, so that the full torque acts at the tyre.
+    The friction and damping of these wheels' joints are removed, so that the full torque acts at the tyre.
 
     Args:
         urdf: URDF of the robot.

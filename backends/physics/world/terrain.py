@@ -24,8 +24,8 @@ GROUND_FRICTION = 1.0
 class Terrain:
     """Rough ground in a physics engine, a sum of waves in all directions.
 
-    It is built of square tiles as the robot needs them. The waves' height is set so that a base with wheels
-    0.6 m apart rolls and pitches as the world's file states.
+    It consists of square tiles, which are created as the robot approaches them. The waves' height is set so
+    that a base with wheels 0.6 m apart rolls and pitches as the world's file states.
     """
 
     def __init__(self, engine: Engine, ground: GroundSpec, seed: int) -> None:

@@ -71,7 +71,9 @@ class ThingBody:
         return tuple(_part_of(number, side in faces) for number, side in enumerate(BOX_SIDES))
 
     def first_picture(self) -> ByteArray:
-        """Return the grey texture (h, w) of all faces when the body is created, laid out as `uvs` states."""
+        """Return the grey texture (h, w) of all faces when the body is created, laid out in the picture by
+        the coordinates that `uvs` returns.
+        """
         return _picture(self.thing.faces(), self.thing.grey)
 
     def printed(self) -> ByteArray:
@@ -79,9 +81,10 @@ class ThingBody:
         return self.first_picture()
 
     def portrait(self) -> ByteArray | None:
-        """Return the colour picture (h, w, 3), RGB, of all faces for people; None if all are plain.
+        """Return the colour picture (h, w, 3), RGB, of all faces, for viewers in which a person watches; None
+        if all faces are plain.
 
-        The faces are laid out as in `first_picture`; plain ones have the colour of the material.
+        The faces are laid out as in `first_picture`; plain faces have the colour of the material.
         """
         faces, material = self.thing.faces(), self.thing.material
         if not faces:
@@ -98,7 +101,10 @@ class ThingBody:
         return False
 
     def look(self, eye: FloatArray) -> None:
-        """Set the texture that a camera at `eye` should see on the body; called before each picture.
+        """Set the texture that a camera at `eye` should see on the body, which may be coarser from a
+        distance.
+
+        It is called before each picture.
 
         Args:
             eye: (3,) position of the camera in the world, in [m].

@@ -114,8 +114,9 @@ class WorldBodies:
     def made(self) -> list[tuple[int, int] | str]:
         """Bodies created after the start, in the order of creation.
 
-        Each is the (column, row) of a tile of ground, or the name of a thing. Setting this property to the
-        value of a saved run creates the bodies that are missing here; their things must be in the scene.
+        An item is the (column, row) of a tile of ground, or the name of a thing. Setting this property to a
+        list from a checkpoint creates the bodies of the list that are missing in this engine; their things
+        must be in the scene.
         """
         return list(self._made)
 
@@ -158,7 +159,9 @@ class WorldBodies:
         return self._engine.pose(self.bodies[thing.name]) @ inverse(thing.thing_T_middle)
 
     def keep_time(self) -> None:
-        """Update solids that appear or disappear during a run, and moving passers, to the scene's time."""
+        """Place the solids that appear or disappear during a run, and the people and carts that pass by, as
+        at the scene's time.
+        """
         for body, solid in self._surprises:
             there = solid.appears <= self._scene.time < solid.leaves
             self._engine.set_pose(body, solid.box.pose if there else _AWAY)

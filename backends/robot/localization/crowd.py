@@ -46,7 +46,7 @@ class Crowd:
 
     @property
     def is_near(self) -> bool:
-        """True if a person was near since the base last moved."""
+        """True if a person was near the base at any time since the base last moved."""
         return self._is_near
 
     def put(self, discs: FloatArray) -> None:
@@ -89,17 +89,16 @@ class Crowd:
 
         False if the base was moved, which is the other explanation.
 
-        The few walls that are still visible may have other errors on the map, so that matching this scan to
-        the map shows a motion that did not happen. The check compares this scan with the scan taken when the
-        base came to rest: if the two scans agree better without that motion than with it, the base has not
-        moved. For a small motion the ranges of the same beams are compared.
+        The few walls that are still visible may be drawn on the map with errors, so that matching this scan
+        to the map shows a motion that did not happen. The check compares this scan with the scan taken when
+        the base came to rest: if the two scans agree better without that motion than with it, the base has
+        not moved. For a small motion the ranges of the same beams are compared.
 
         Args:
             scan: scan of this period.
             pose: believed map_T_base.
             field: likelihood field of the map; None without a map.
-            rolled: pose of the base by the wheels in the base frame at rest; the identity if the wheels did
-                not turn.
+            rolled: pose of the base by the wheels in the base frame at rest; zero if the wheels did not turn.
         """
         if not self._is_near or field is None or self._ranges.shape != scan.ranges.shape:
             return False

@@ -50,8 +50,8 @@ class PoseNeed(NamedTuple):
             covariance: (2, 2) or (3, 3) covariance of the pose on the map, of x and y in [m²] first.
 
         Returns:
-            (2, 2) unit vectors on the map in columns, and (2,) limits in [m]. Without `across` they are the
-            principal axes of the covariance, so that the worst direction is one of them.
+            (2, 2) unit vectors on the map in columns, and (2,) limits in [m]. Without the limit `across`, the
+            directions are the principal axes of the covariance, along one of which the error is largest.
         """
         if self.across is None:
             return np.linalg.eigh(covariance[:2, :2])[1], np.full(2, self.position)
@@ -98,11 +98,11 @@ def undetermined(
     off: tuple[float, float, float] = (0.0, 0.0, 0.0),
     shift: FloatArray = NO_SHIFT,
 ) -> Undetermined | None:
-    """Return the direction in which a pose is most uncertain, if the uncertainty exceeds the need, or None.
+    """Return the direction in which a pose is least accurate; None if the pose is accurate enough for `need`.
 
     Args:
         covariance: (3, 3) covariance of the pose: x and y on the map in [m], heading in [rad].
-        need: limit of 3 sigma plus the distance from the wanted pose.
+        need: required accuracy; the error compared with it is 3 sigma plus the distance from the wanted pose.
         off: pose minus the wanted pose: x, y on the map in [m] and heading in [rad].
         shift: largest systematic error of the position on the map, either way, in [m], in addition to the
             covariance; (2,) for a single error, or (1 + n, 2) with n errors whose sum is used instead, as in

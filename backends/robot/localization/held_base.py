@@ -35,7 +35,9 @@ class HeldBase:
 
     @property
     def is_settled(self) -> bool:
-        """True if scans and wheels agree, or the pose was found again after the last contradiction."""
+        """True if scans and wheels agree on the base's motion, or if, after they last contradicted each
+        other, the pose was found again.
+        """
         return self._searched == 0 and not self._check.is_doubtful
 
     @property
@@ -79,10 +81,10 @@ class HeldBase:
         return True
 
     def note_pose(self, is_found: bool) -> None:
-        """Record the pose after this period's corrections, with which later scans are compared.
+        """Record the corrected pose of this period; later scans are compared with the scan at this pose.
 
         Args:
-            is_found: True if a scan shows where the base is, which ends a search.
+            is_found: True if a scan shows where the base is, which ends the search for the base's pose.
         """
         self._check.note_pose(self._wheels.pose)
         if is_found and not self._check.is_contradicted:

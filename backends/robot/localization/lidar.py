@@ -59,7 +59,9 @@ class Lidar(RangeSensor):
 
     @property
     def blockage(self) -> str:
-        """Message that the lidar is blocked or dirty, if most of this period's beams are blind; or ""."""
+        """Message that the lidar is blocked or dirty, if most of this period's beams are too close or give no
+        reading; otherwise "".
+        """
         if self.blind_share <= MAX_BLIND_SHARE:
             return ""
         scan = self.scan()
@@ -101,7 +103,8 @@ class Lidar(RangeSensor):
         return f"the lidar gets next to no echoes: {echoes} of {len(scan.ranges)} beams return"
 
     def beams(self) -> ScanBeams:
-        """Return this period's scan as beams in the base frame; ranges of blind beams are NaN.
+        """Return this period's scan as beams in the base frame; ranges are NaN for beams that show neither an
+        obstacle nor free ground.
 
         All callers get the same arrays, and must not change them.
         """

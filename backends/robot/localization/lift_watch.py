@@ -23,7 +23,8 @@ class LiftWatch:
         self._may_slide = 0  # periods left in which it may
 
     def take(self, lidar: Lidar, rolled: WheelTravel, still: int, crowd: Crowd, pose: Pose2) -> Lost | None:
-        """Process this period's scan; return the evidence that the base was lifted, or None.
+        """Process this period's scan; return the reason why the pose is lost if the base was lifted,
+        otherwise None.
 
         Args:
             lidar: first lidar of the robot.
@@ -46,7 +47,9 @@ class LiftWatch:
         return None
 
     def note_contact(self) -> None:
-        """Record that the base ran into something; the next 60 periods allow for scans of a sliding base."""
+        """Record that the base ran into something: in the next 60 periods the base may slide, which changes
+        scans.
+        """
         self._may_slide = SLIDING_PERIODS
 
     def reset(self) -> None:

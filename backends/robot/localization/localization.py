@@ -105,7 +105,7 @@ class Localization(ABC):
         return self.pose
 
     def set_origin(self) -> None:
-        """Set the base's current pose as the origin of `displacement`."""
+        """Set the base's current pose as the pose from which `displacement` measures the motion."""
         self._wheels.odometry.set_origin()
 
     @property
@@ -139,14 +139,14 @@ class Localization(ABC):
     def map_shift(self) -> FloatArray:
         """Largest errors of the position on the map due to the size of the map's cells, either way, in [m].
 
-        Along x and y (2,), or (1 + n, 2) with n more rows for the errors by walls of n directions. They count
-        in addition to `repeatability` when a pose is compared with a place on the map.
+        The errors along x and y (2,), or (1 + n, 2) with a further row for each of n directions of walls.
+        They are added to `repeatability` when a pose is compared with a place on the map.
         """
         return np.zeros(2)
 
     @property
     def sigma(self) -> tuple[float, float]:
-        """Sigmas of position in its worst direction [m] and heading [rad] (`repeatability`); inf if lost."""
+        """Sigmas of `repeatability`: position in its worst direction [m], heading [rad]; inf if lost."""
         return (math.inf, math.inf) if self.lost is not None else worst_sigmas(self.repeatability)
 
     @property
@@ -161,22 +161,22 @@ class Localization(ABC):
 
     @property
     def heading_known(self) -> bool:
-        """True if the heading is known."""
+        """True if the heading in the world is known; before that, only the motion is estimated."""
         return True
 
     @property
     def doubt(self) -> Lost | None:
-        """Reason why `covariance` cannot be relied on at the moment; None while it can."""
+        """Reason why `covariance` cannot be relied on at the moment; None while it is reliable."""
         return self.lost
 
     @property
     def slips(self) -> int:
-        """Number of drives after which a scan at rest contradicted the pose by the wheels."""
+        """Number of drives after which a scan of the resting base contradicted the pose by the wheels."""
         return 0
 
     @property
     def added_sigma(self) -> float:
-        """Sigma of the position in [m] that the last drive has added, until a scan at rest corrects it."""
+        """Sigma of the position's error, in [m], that the last drive added and no scan at rest corrected."""
         return 0.0
 
     @property
@@ -186,7 +186,7 @@ class Localization(ABC):
 
     @property
     def explained(self) -> float:
-        """Share of the last scan's points that the map explains, 0 to 1; NaN without a compared scan."""
+        """Share (0 to 1) of points of the last compared scan that agree with the map; NaN without a scan."""
         return float("nan")
 
     @property
@@ -230,7 +230,7 @@ class Localization(ABC):
         self.held_base.note_pose(self._is_found)
 
     def look_again(self, rolled: Pose2 = Pose2(0.0, 0.0, 0.0)) -> None:
-        """Find the pose again if a scan shows a push at rest; `rolled` is the known motion by the wheels."""
+        """Find the pose again if a scan shows that the resting base was moved; `rolled`: motion by wheels."""
         if self.still <= STILL_SCANS or self._range_sensor is None:
             return
         points, scan = self._fresh_points(), self._range_sensor.scan()
@@ -245,7 +245,7 @@ class Localization(ABC):
         self._wheels.odometry.correct(pose, variance)
 
     def forget_pose(self) -> None:
-        """Give up the pose on the map; estimate it on a new local map that is drawn from coming scans."""
+        """Give up the pose on the map; estimate it on a new local map, which this and later scans build."""
         assert self.map_field is not None
         assert isinstance(self._range_sensor, Lidar)
         self.local_map, self.lifted = LocalMap(), None
@@ -256,7 +256,7 @@ class Localization(ABC):
         self.set_origin()
 
     def locate(self, pose: Pose2, covariance: FloatArray) -> None:
-        """Leave a local map for the map, at map_T_base with covariance (3, 3) of x, y [m], heading [rad]."""
+        """Go from a local map to the map, at map_T_base; covariance (3, 3) of x, y [m] and heading [rad]."""
         assert self.map_field is not None
         self.local_map = self.lifted = None
         self._wheels.change_map(self.map_field, pose, covariance)
@@ -309,7 +309,7 @@ class Localization(ABC):
         """Mark the present instant, so that `smoothed` returns the pose at this instant."""
 
     def smoothed(self) -> list[Belief]:
-        """Return the pose at each `mark` by earlier and later readings; empty if later ones are not used."""
+        """Return the pose at each `mark`, corrected by later readings; empty if this is not supported."""
         return []
 
     def _predict(self, left: float, right: float, sideways: float) -> None:
@@ -352,7 +352,7 @@ class Localization(ABC):
     # Checkpoints
 
     def state(self) -> dict[str, Any]:
-        """Return the present estimates for a checkpoint, as plain data."""
+        """Return the estimates that a checkpoint needs, such as pose and covariance, as plain data."""
         state: dict[str, Any] = {
             name: attributes(part, kinds) for name, (part, kinds) in self._parts().items()
         }

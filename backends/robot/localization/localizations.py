@@ -77,7 +77,9 @@ def localization_of(
 
 
 def odometry_errors(spec: RobotFile) -> OdometryErrors:
-    """Return the assumed errors of a robot's wheel odometry, for a holonomic base with sideways errors."""
+    """Return the assumed errors of a robot's wheel odometry, including those of sideways motion for a
+    holonomic base.
+    """
     errors = spec.odometry.errors
     if spec.drive.kind != "holonomic":
         return errors
@@ -85,5 +87,5 @@ def odometry_errors(spec: RobotFile) -> OdometryErrors:
 
 
 def range_noise(spec: RobotFile) -> float:
-    """Return the sigma of a range in [m] with which scans of a robot are compared with a map."""
+    """Return the sigma of the lidar's ranges, in [m], that is assumed when scans are compared with a map."""
     return max(LEAST_RANGE, spec.range_sensor.sigma_mm / 1e3) if spec.range_sensor else LEAST_RANGE

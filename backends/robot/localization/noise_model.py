@@ -89,7 +89,7 @@ def beacon_errors(beacons: BeaconsSpec) -> BeaconErrors:
 
 
 def field_localizer(robot: RobotFile, start: Pose2, antenna: tuple[float, float, float]) -> FieldLocalizer:
-    """Return the outdoor localizer of a robot's file.
+    """Create the outdoor localizer that the key `localizer` of a robot's file names.
 
     Args:
         robot: robot file.

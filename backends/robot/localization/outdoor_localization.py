@@ -85,8 +85,8 @@ class OutdoorLocalization(Localization):
     def displacement(self) -> Belief | None:
         """Motion of the base since `set_origin`, in the base frame at that time; None if unknown.
 
-        Ahead and to the left in [m], turn to the left in [rad]: mean (3,) and covariance (3, 3), without
-        errors that are common to all fixes.
+        Mean (3,) and covariance (3, 3) of the motion ahead and to the left, in [m], and of the turn to the
+        left, in [rad]. The covariance has no errors that are common to all satellite fixes.
         """
         return self._filter.displacement
 
@@ -104,8 +104,8 @@ class OutdoorLocalization(Localization):
     def repeatability(self) -> FloatArray:
         """Covariance (3, 3) of the pose relative to another pose estimated at the same place.
 
-        x and y in the world in [m], heading in [rad]. While the heading is unknown, it is the covariance of
-        the motion by wheels and gyros since `set_origin`, in the base frame at that time.
+        x and y in the world in [m], heading in [rad]. While the heading is unknown, the result is the
+        covariance of the motion by wheels and gyros since `set_origin`, in the base frame at that time.
         """
         return self.covariance if self.heading_known else self._filter.displacement.covariance
 

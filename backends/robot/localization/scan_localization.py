@@ -71,8 +71,9 @@ class ScanLocalization(Localization):
     def displacement(self) -> Belief:
         """Motion of the base since `set_origin`, in the base frame at that time.
 
-        It has mean (3,) and covariance (3, 3): ahead and to the left in [m], turn to the left in [rad]. The
-        covariance does not contain the map's error, which the two poses share.
+        Mean (3,) and covariance (3, 3) of the motion ahead and to the left, in [m], and of the turn to the
+        left, in [rad]. The covariance does not contain the map's error, which the poses at start and end of
+        the motion share.
         """
         mean, spread = self._matching.odometry.displacement
         shared = self._map_error_then + self._matching.map_error

@@ -90,11 +90,11 @@ class WheelLocalization(Localization):
     def look_again(self, rolled: Pose2 = Pose2(0.0, 0.0, 0.0)) -> None:
         """Find the pose again if a scan shows that the base was moved while its wheels were at rest.
 
-        After a drive, the pose by the wheels is compared with a scan first.
+        When the base comes to rest after a drive, the pose by the wheels is first compared with a scan.
 
         Args:
-            rolled: pose of the base by the wheels in the base frame when it came to rest; the identity if the
-                wheels did not turn.
+            rolled: pose of the base by the wheels in the base frame when it came to rest; zero if the wheels
+                did not turn.
         """
         if self._reckoning.unchecked and self.still >= REST_PERIODS and self._range_sensor is not None:
             self._reckoning.check_drive(self._fresh_points())

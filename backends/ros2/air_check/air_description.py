@@ -41,7 +41,7 @@ MAX_DISCOVERY_S = 5.0
 
 
 class AirDescription(NamedTuple):
-    """URDF, SRDF, topics, actions and controllers that a robot's ROS nodes publish."""
+    """URDF, SRDF, topics, actions and controllers of a running robot, as found on its ROS topics."""
 
     urdf: str
     srdf: str
@@ -59,7 +59,8 @@ class AirDescription(NamedTuple):
 
 
 def describe_air(link: Link, wait: Callable[[], None], seconds: float, namespace: str = "") -> AirDescription:
-    """Collect the description that a robot's ROS nodes publish of themselves, without sending anything.
+    """Collect what a robot's ROS nodes publish about the robot (see `AirDescription`), without sending
+    anything.
 
     Args:
         link: connection to the robot's topics.
@@ -110,7 +111,7 @@ def describe_air(link: Link, wait: Callable[[], None], seconds: float, namespace
 
 
 def controller_of(name: str) -> str:
-    """Return the name of the node that serves a controller's topic or action."""
+    """Return the name of a controller's node, which is its topic or action's name without the last part."""
     return name.rpartition("/")[0]
 
 

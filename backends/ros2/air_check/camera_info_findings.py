@@ -62,9 +62,8 @@ def _lens_findings(
 
 
 def ray_error(ours: CameraModel, theirs: CameraModel) -> float:
-    """Return the largest distance, in [px], between the pixels at which two camera models see the same ray.
-
-    The maximum is taken over a grid of 9 x 9 pixels of the picture.
+    """Return the largest distance, in [px], between the two pixels that two camera models assign to the same
+    ray.
     """
     last = np.array([ours.width - 1.0, ours.height - 1.0])
     pixels = np.array([[x, y] for x in np.linspace(0.0, 1.0, 9) for y in np.linspace(0.0, 1.0, 9)]) * last

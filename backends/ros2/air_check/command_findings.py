@@ -11,8 +11,9 @@ from .heard_robot import HeardRobot
 
 
 def command_findings(heard: HeardRobot) -> Iterator[AirFinding]:
-    """Yield the faults of command topics and actions: no subscriber, other quality of service, a second
-    sender.
+    """Yield the faults of command topics and actions.
+
+    A fault is a missing subscriber, a different quality of service, or a second node that sends commands.
     """
     link, deaf = heard.link, unheard(heard.topics, heard.link)
     for topic in heard.topics.commands:

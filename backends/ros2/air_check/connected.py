@@ -24,7 +24,7 @@ def connected(
     inner: Backend | None = None,
     differences: RobotDifferences | None = None,
 ) -> Iterator[tuple[Link, Callable[[], None]]]:
-    """Yield a connection to a robot's topics, and a function that waits for a short time.
+    """Open a connection to a robot's topics; yield it with a function that waits for a short time.
 
     Args:
         robot: the robot's file; may be None if `inner` is None.

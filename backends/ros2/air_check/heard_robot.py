@@ -22,7 +22,7 @@ CAMERA_INFO, FRAMES = "sensor_msgs/CameraInfo", "tf2_msgs/TFMessage"
 
 
 class HeardRobot:
-    """The topics that a robot's file names, and the messages received from them during a check."""
+    """Messages received during a check of a running robot, from the topics that the robot's file names."""
 
     def __init__(
         self,
@@ -103,7 +103,9 @@ class HeardRobot:
         return self.link.meters[topic].last
 
     def sensors(self) -> Iterator[tuple[str, TopicSensor]]:
-        """Yield each topic with sensor readings, preceded by its key in the section `ros2`."""
+        """Yield each topic with sensor readings, preceded by the key of its description in the section
+        `ros2`.
+        """
         keys = {id(getattr(self.spec, key)): key for key in type(self.spec).model_fields}
         keys |= {id(camera): "cameras" for camera in self.spec.cameras.values()}
         keys |= {id(item): "depth" for item in self.spec.depth.values()}

@@ -36,7 +36,9 @@ class ListeningLink(Link):
         self._link.subscribe(kind, topic, heard, latched)
 
     def subscribe_unmeasured(self, kind: str, topic: str, take: Take, latched: bool = False) -> None:
-        """Call `take` with each message of a topic, as `Link.subscribe` does, without measuring the topic."""
+        """Call `take` with each message of a topic, as `Link.subscribe` does, without measuring the rate and
+        age of its messages.
+        """
         self._link.subscribe(kind, topic, take, latched)
 
     @override

@@ -30,7 +30,7 @@ MIN_NEARNESS = 0.5
 
 
 def sensor_findings(heard: HeardRobot) -> Iterator[AirFinding]:
-    """Yield all findings about the values that the sensors measure."""
+    """Yield a finding for each sensor whose readings are implausible or contradict the robot's file."""
     moved = _motion(heard)
     if moved and not heard.may_drive:
         yield AirFinding(("ros2", "odometry"), moved)

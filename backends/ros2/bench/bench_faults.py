@@ -70,7 +70,7 @@ class BenchFaults:
 
     @property
     def any_planned(self) -> bool:
-        """True if faults are planned, so that messages may be changed or held back."""
+        """True if any faults are planned; a driver's messages may then be changed or held back."""
         return bool(self._planned)
 
     def add(self, fault: TopicFault) -> None:
@@ -88,7 +88,10 @@ class BenchFaults:
         return any(pair.kind == kind and pair.topic == name and now_s >= pair.at_s for pair in self._planned)
 
     def passed(self, topic: str, message: Any, now_s: float) -> list[Any]:
-        """Apply the faults of a topic that are due to a message; return the messages to send in its place.
+        """Return the messages that are sent instead of a driver's message, because of the planned faults of
+        its topic.
+
+        Faults whose time has come are applied; without one the list holds the message itself.
 
         Args:
             topic: name of the topic.

@@ -49,7 +49,8 @@ class BenchFrames:
         fixed(self._message(0.0, dict(self._fixed())))
 
     def moving(self, now: float, base: Pose2) -> Mapping[str, Any]:
-        """Return the `tf` message with the frames of base and cameras, by topic; empty if no node listens.
+        """Return the `tf` message with the frames of base and cameras, as a mapping with the topic as its
+        key; empty if no node listens.
 
         Args:
             now: time of the message's stamps, in [s].

@@ -73,8 +73,8 @@ def scan_message(
         now: time of ROS, in [s].
         spec: the lidar's section of the robot's file.
         robot: simulated robot with the lidar.
-        factor: factor of the ranges.
-        mirrored: True for angles that grow clockwise.
+        factor: factor by which the ranges are multiplied, to simulate a difference from the robot's file.
+        mirrored: True for a scan whose angles grow clockwise.
     """
     lidar = robot.get(RangeSensor)  # type: ignore[type-abstract]
     assert lidar is not None, "its file says so"
@@ -89,13 +89,13 @@ def scan_message(
 
 
 def imu_message(link: Link, now: float, robot: Backend, factor: float = 1.0) -> Any:
-    """Return the readings of a simulated inertial unit as an `Imu`.
+    """Return the readings of a simulated IMU as a message `sensor_msgs/Imu`.
 
     Args:
         link: connection to the topics, which creates the message.
-        now: time of ROS for its stamp, in [s].
-        robot: simulated robot with the unit.
-        factor: factor of the accelerations.
+        now: time of ROS for the message's stamp, in [s].
+        robot: simulated robot with the IMU.
+        factor: factor by which the accelerations are multiplied (see `RobotDifferences`).
     """
     unit = robot.get(Imu)  # type: ignore[type-abstract]
     assert unit is not None, "its file says so"
@@ -127,7 +127,11 @@ def fix_message(link: Link, now: float, spec: RosGpsSpec, fix: Fix) -> Any:
 
 
 class LatePicture:
-    """Pixels of a picture that is rendered when they are read, which must be in the period of its sending."""
+    """Pixels of a picture in a message, rendered only when they are read.
+
+    They must be read in the control period in which the message is sent, because later the scene is another
+    one.
+    """
 
     def __init__(self, size: int, render: Callable[[], NDArray[Any]]) -> None:
         """Take the number of bytes of the picture, and a function that returns its pixels."""
@@ -147,7 +151,8 @@ def image_message(link: Link, now: float, camera: Camera, late: bool = False, fr
         link: connection to the topics, which creates the message.
         now: time of ROS, in [s].
         camera: takes the picture.
-        late: True to render the picture only if it is read, which has to happen before the robot's next step.
+        late: True to render the picture only when the message's data are read, which has to happen before the
+            robot's next step.
         frame: name of the camera's frame.
     """
     message = _picture(link, now, camera.model, ("mono8", 1), camera.image, late)

@@ -15,7 +15,8 @@ class LateCommands:
         self._kept: deque[Mapping[str, float]] = deque(maxlen=periods + 1)
 
     def passed(self, wanted: Mapping[str, float]) -> Mapping[str, float]:
-        """Return the positions that take effect in this period; empty in the first periods of a delay.
+        """Return the positions that take effect in this period, delayed; empty until the first delay has
+        passed.
 
         Args:
             wanted: positions received last, in [rad] or [m] by the joint's name.

@@ -15,7 +15,9 @@ from .local_messages import new_message
 
 
 class LocalAir:
-    """Topics and actions within this process, in place of a ROS network, with the time for message stamps."""
+    """Simulation of a ROS network within this process: its topics and actions, and the time for message
+    stamps.
+    """
 
     def __init__(self) -> None:
         """Begin without topics, at a time of 1 s: a stamp of 0 means none."""

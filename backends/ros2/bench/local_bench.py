@@ -63,8 +63,8 @@ class LocalBench(OtherEnd):
     def wait(self, seconds: float) -> None:
         """Advance the topics' time by `seconds` [s], and publish the sensors' readings of the resting robot.
 
-        A robot with a satellite receiver is simulated for one control period instead, whatever `seconds` is,
-        because it has a fix only from time to time.
+        A robot with a satellite receiver is simulated for one control period instead, whatever `seconds` is:
+        only a simulated period can bring a new satellite fix, and not every period does.
         """
         if self._has_receiver:
             self.step()
@@ -96,7 +96,7 @@ class LocalBench(OtherEnd):
         """Restore a state that `state` returned, and publish the sensors' readings in this state.
 
         Raises:
-            NotAState: the data are not a state of such a bench.
+            NotAState: the data are not a state of a `LocalBench`.
         """
         needed = {"inner", "time", *self._drivers.state()}
         if not isinstance(state, dict) or state.keys() != needed:

@@ -45,7 +45,9 @@ class LocalGoal(SentGoal, ServedGoal):
 
 
 class LocalAction:
-    """Server of an action within this process; it answers goals when its node calls `receive`."""
+    """Server of an action within this process; it answers the waiting goals when its node processes messages
+    (`receive`).
+    """
 
     def __init__(self, kind: str, accepts: Accepts, take: TakesGoal) -> None:
         """Serve an action.
@@ -66,7 +68,7 @@ class LocalAction:
         return self._taken
 
     def send(self, request: Any) -> LocalGoal:
-        """Queue a goal until `answer` accepts or rejects it, and return it."""
+        """Add a goal to the queue of goals that `answer` accepts or rejects, and return it."""
         goal = LocalGoal(self.kind, request)
         self._waiting.append(goal)
         return goal

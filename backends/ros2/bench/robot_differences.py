@@ -96,5 +96,5 @@ class RobotDifferences:
 
     @property
     def finger_latency_s(self) -> float:
-        """Delay between a command to the fingers and their motion, in [s]."""
+        """Delay between a command to the fingers and the start of their motion, in [s]."""
         return self._factors.get(FINGER_LATENCY_NAME, 0.0)

@@ -93,7 +93,8 @@ class ServedJoints:
         return {} if self._plan is None else self._plan.at(now_s + period)
 
     def settle(self, now_s: float, measured: Mapping[str, float], presses: bool) -> None:
-        """End the goal if it is reached, or if the joints or fingers cannot reach it.
+        """End the goal of the action if the joints have reached it, or if they or the fingers cannot reach
+        it.
 
         Args:
             now_s: time of the bench, in [s].

@@ -35,7 +35,7 @@ PAIR_S = 0.1
 
 
 class PictureTopic(TopicSensor):
-    """ROS topic with pictures of a known size; the last five messages are kept unchanged."""
+    """ROS topic with pictures of a known size; the last five messages are stored without converting them."""
 
     KIND = "sensor_msgs/Image"
 

@@ -9,7 +9,9 @@ from handcart.backends.sensors.depth_spec import DepthCameraSpec
 
 
 def camera_topics(robot: RobotFile, spec: RosSpec) -> dict[str, tuple[CameraSpec, RosCameraSpec]]:
-    """Return the description and the topic of each camera that has a topic, by name in the robot's file."""
+    """Return the description and the topic of each camera that has a topic in the section `ros2`, by its name
+    in the robot's file.
+    """
     cameras = robot.all_of(CameraSpec)
     return {
         name: (camera, spec.camera if camera is robot.camera else spec.cameras[name])

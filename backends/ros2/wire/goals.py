@@ -60,7 +60,7 @@ class ServedGoal(Protocol):
 
     @property
     def request(self) -> Any:
-        """Goal message."""
+        """Goal message that the client has sent."""
 
     @property
     def is_cancel_asked(self) -> bool:

@@ -115,7 +115,8 @@ def set_stamp(header: Any, seconds: float) -> None:
 
 
 def sound(value: float) -> float:
-    """Return a finite number as a Python float; ROS sends wrong values for other types without an error.
+    """Return a finite number as a Python float; for values of other types, ROS sends wrong numbers without an
+    error.
 
     Raises:
         CommandError: the number is not finite.

@@ -22,7 +22,7 @@ class OtherEnd(Protocol):
 
     @property
     def inner(self) -> Backend | None:
-        """Simulated robot behind the drivers; None without one."""
+        """Simulated robot that the simulated drivers control; None without one."""
 
     def wait(self, seconds: float) -> None:
         """Advance the drivers' time by `seconds` [s], before the first step."""
@@ -31,7 +31,9 @@ class OtherEnd(Protocol):
         """Simulate one control period."""
 
     def state(self) -> dict[str, object] | None:
-        """Return the state of robot and drivers for a checkpoint; None if it cannot be saved."""
+        """Return the state of the simulated robot and its drivers for a checkpoint; None if it cannot be
+        saved.
+        """
 
     def set_state(self, state: Any) -> None:
         """Restore a state that `state` returned."""

@@ -213,8 +213,8 @@ def action_servers(node: Any, name: str) -> list[str]:
 def actions_of(node: Any, kind: str) -> list[str]:
     """Return the names of all actions of a type that have a server; the package of the type is not needed.
 
-    A server is recognized by publishing the action's feedback topic. A client only subscribes to this topic,
-    and the names of nodes are discovered later than their topics.
+    A server is recognized by publishing the action's feedback topic. A client only subscribes to this topic.
+    Node names are not used, because they are discovered later than topics.
     """
     wanted = f"{kind.replace('/', '/action/')}{FEEDBACK_TYPE}"
     topics = (topic for topic, kinds in node.get_topic_names_and_types() if wanted in kinds)

@@ -28,7 +28,7 @@ SERVICE_TIMEOUT_S = 1.0
 
 
 class Link(Protocol):
-    """Interface of one node's connection to ROS topics and actions, real or within this process."""
+    """Interface of a ROS node's connection to topics and actions, on a ROS network or within this process."""
 
     def subscribe(self, kind: str, topic: str, take: Take, latched: bool = False) -> None:
         """Subscribe to a topic with messages of type `kind`, and call `take` with each message.
@@ -40,7 +40,9 @@ class Link(Protocol):
         """Return a function that publishes messages of a type such as `sensor_msgs/LaserScan` to a topic."""
 
     def latched(self, kind: str, topic: str) -> Take:
-        """Return a function that publishes messages, the last of which later subscribers receive as well."""
+        """Return a function that publishes messages on a topic; a later subscriber also receives the last
+        message.
+        """
 
     def message(self, kind: str) -> Any:
         """Return a new, empty message of a type such as `sensor_msgs/LaserScan`."""
@@ -60,8 +62,8 @@ class Link(Protocol):
     def mismatches(self, topic: str, is_command: bool) -> list[str]:
         """Return a text for each node of a topic whose quality of service does not match that of this node.
 
-        Such nodes exchange no messages. `is_command` is True if this node publishes the topic, False if it
-        subscribes.
+        Nodes with different qualities of service may exchange no messages. `is_command` is True if this node
+        publishes the topic, False if it subscribes.
         """
 
     def topics_of(self, kind: str) -> list[str]:

@@ -104,7 +104,7 @@ class TopicSensor(LiveSensor):
         self._last_stamp = stamp
 
     def forget(self) -> None:
-        """Discard all messages, so that the next message is treated like the first."""
+        """Discard all received messages, and treat the next message like the first one."""
         self._arrived, self._last_stamp, self._came, self.doubt = [], None, None, ""
         self._first_frame = None
 

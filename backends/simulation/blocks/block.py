@@ -13,9 +13,9 @@ BRICK_MATERIAL = Material(0.76, 0.40, 0.28, 0.05)
 
 
 class BlockSpec(PlacedSpec):
-    """Description of a block in a world's file, with the position at which a person puts it down.
+    """Description of a block in a world's file, with the pose at which a person puts the block down.
 
-    The position is that of the middle of its foot.
+    The position is that of the middle of the block's underside (its foot).
     """
 
 

@@ -121,12 +121,13 @@ class ArmContact:
         self._last_poses: dict[bytes, FloatArray] = {}
 
     def deepest_of_robot(self, base: Pose2, joints: FloatArray, skip: Skip | None = None) -> Touch:
-        """Return the deepest overlap of everything that moves with the base: arm, mounted parts and load.
+        """Return the deepest overlap between other bodies and all that moves with the base: arm, mounted
+        parts and load.
 
         Args:
             base: 2D pose world_T_base.
             joints: (n,) posture of the arm, in [rad] or [m].
-            skip: function that returns True for pairs of bodies to exclude.
+            skip: function that returns True for a pair of bodies to exclude; None excludes no pair.
         """
         scene = self._scene
         reach = max(self._extent(joints), self._extent_on_base())
@@ -164,7 +165,9 @@ class ArmContact:
         return max(worst, self._against_robot(bodies, poses))
 
     def rides_on_hand(self, body: str) -> bool:
-        """Return True if a body moves with the hand: a link fixed to it, a finger, or the held object."""
+        """Return True if a body moves with the hand: a link that no joint moves against the hand, a finger,
+        or the held object.
+        """
         return body in self._on_hand
 
     def _far(self, base: Pose2, joints: FloatArray) -> bool:
@@ -183,7 +186,7 @@ class ArmContact:
     def travel(self, start: FloatArray, end: FloatArray) -> float:
         """Return the largest distance between the positions of a link's frame in two postures, in [m].
 
-        It approximates the largest distance that any point of the arm travels.
+        This is about the largest distance that any point of the arm travels between the postures.
 
         Args:
             start: (n,) joints of one posture, in [rad] or [m].

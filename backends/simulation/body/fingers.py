@@ -26,7 +26,7 @@ class Fingers:
         self._shape = hand.scene.robot.finger_shape
 
     def set_width(self, width: float) -> None:
-        """Move the finger pads to an opening in [m]; a thing between them stops them and is held."""
+        """Move the finger pads to an opening in [m]; a thing between the pads stops them and is then held."""
         scene = self._scene
         if scene.held is None and width < scene.width:
             thing = self._between()

@@ -20,9 +20,10 @@ TURN_SIGNS = np.array([-1.0, 1.0, -1.0, 1.0])
 class MecanumWheels:
     """Model of the true motion of a base with four mecanum wheels, by the wheels' travel.
 
-    The true radii, lever arm and slip of the wheels differ from the robot's file by its section `errors` and
-    a seed. The wheels' errors are independent, so a base that drives sideways also turns and drifts ahead
-    (Muir and Neuman 1987, eqs. 31 to 33). Compliant rollers make the sideways travel longer or shorter.
+    The true radii, lever arm and slip of the wheels are drawn about the values of the robot's file, with the
+    sigmas of its section `errors`. The wheels' errors are independent, so a base that drives sideways also
+    turns and drifts ahead (Muir and Neuman 1987, eqs. 31 to 33). Compliant rollers make the sideways travel
+    longer or shorter.
     """
 
     def __init__(self, robot: RobotFile, seed: int) -> None:

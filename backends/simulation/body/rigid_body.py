@@ -54,7 +54,7 @@ NO_MEETING = Meeting(0.0)
 
 
 def meet(one: RigidBody, pose: Transform, other: RigidBody, other_pose: Transform) -> Meeting:
-    """Return the overlap of two bodies.
+    """Return depth, direction and contact point of the overlap of two bodies.
 
     Args:
         one: first body.

@@ -133,9 +133,9 @@ class SimulatedArm(ForceArm):
         self._command = self._from.copy()
 
     def swing_yaw(self) -> float:
-        """Return by how much the last motion of the arm turned the base to the left, in [rad].
+        """Return the angle by which the arm's last motion turned the base to the left, in [rad].
 
-        To be called only if that motion was a swing (`swung`).
+        To be called only if that motion was a swing: a motion that carried a load far enough (`swung`).
         """
         return swing_yaw(self._errors, self._seed, self._motions)
 

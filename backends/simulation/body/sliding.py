@@ -50,11 +50,11 @@ def slide(
 
 
 def push_out(arm: ArmModel, joints: FloatArray, way: FloatArray) -> FloatArray:
-    """Return the joints (n,) for a hand that is displaced, but not turned.
+    """Return the joints (n,) that displace the hand by `way` without turning it, within the joints' limits.
 
     Args:
         arm: kinematics of the arm.
-        joints: (n,) joints before, in [rad] or [m].
+        joints: (n,) joints before the displacement, in [rad] or [m].
         way: (3,) displacement of the hand in the base frame, in [m].
     """
     return np.clip(joints + _moved_by(arm, joints, way), arm.lower, arm.upper)

@@ -28,7 +28,9 @@ MAX_SPINE_OFFSET_M = 0.003  # maximum distance of a spine from the board's front
 
 
 class Waiting(NamedTuple):
-    """Number of books that the simulated person has handed over, and where and since when the robot rests."""
+    """State of handing over books: number handed over so far, and place and time at which the robot came to
+    rest.
+    """
 
     given: int = 0
     """Number of books handed over so far."""
@@ -58,7 +60,9 @@ class BooksThere(Props[BooksSection]):
         return [solid for shelf in spec.shelves for solid in SimulatedShelf(shelf).solids()]
 
     def set_up(self) -> None:
-        """Create the books on the shelves, with spines slightly out of line, and the book on the tray."""
+        """Create the books on the shelves, with spines slightly out of line, and the book on the robot's
+        tray.
+        """
         for shelf in self.shelves.values():
             rng = keyed(self.seed, f"row of {shelf.name}")
             for spec, y in shelf.standing():
@@ -73,8 +77,8 @@ class BooksThere(Props[BooksSection]):
 
         Args:
             spec: the book.
-            number: number of the handed-over book, which selects the random error; 0 for the book that is on
-                the tray at the start.
+            number: how many books a person has handed over, with this one, which selects the random error; 0
+                for the book that is on the tray at the start.
         """
         scene, errors = self.scene, self.scene.robot.errors
         dx, dy, turn = keyed(self.seed, f"tray {number}" if number else "tray").standard_normal(3)

@@ -21,7 +21,9 @@ LEAST_CLEARANCE = 0.0003
 
 @dataclass(frozen=True)
 class Entry:
-    """State of a held book whose leading edge has passed the front of a row, with shelf, slot and success."""
+    """State of inserting a held book whose leading edge has passed the front of a row: shelf, slot, and
+    whether it enters.
+    """
 
     shelf: SimulatedShelf
     slot: FreeInterval
@@ -63,10 +65,11 @@ class Entrance:
         edge: tuple[float, float, float],
         thickness: float,
     ) -> Entry | None:
-        """Return the state of entry of the held book after a motion; None if it is not in a slot.
+        """Return the state of the held book's insertion after a motion; None if the book is in front of the
+        row.
 
         Args:
-            entry: state before the motion; None if the book was not in a slot.
+            entry: state before the motion; None if the book was in front of the row.
             shelf: shelf in front of the hand.
             row: members of the shelf's row, without the held book.
             edge: middle of the held book's leading edge in the shelf frame S: x and y in [m], and the book's

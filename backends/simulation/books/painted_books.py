@@ -43,13 +43,14 @@ _SEES = 3.0  # shelves further away are painted without their books [m]
 
 
 def painted(books: BooksThere, rests: frozenset[Rest]) -> Iterator[Painted]:
-    """Yield the objects that a simulated camera shows: each shelf with its books, and books elsewhere.
+    """Yield the objects that a simulated camera shows: each shelf with its books, and books on the tray or in
+    the hand.
 
     Fallen books are not shown. Spines are printed; objects deep in a shelf are dark.
 
     Args:
         books: books and shelves of the world.
-        rests: kinds of support whose books are shown.
+        rests: kinds of support; only books that rest on one of these are shown.
     """
     if Rest.TABLE in rests:
         for shelf in books.shelves.values():

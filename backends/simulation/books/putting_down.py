@@ -20,11 +20,11 @@ _BELOW = 0.003
 
 
 def put_down(books: BooksThere, book: SimulatedBook, slot: FreeInterval | None, aside: float = 0.0) -> None:
-    """Drop a book from its current pose, and set its new pose and support.
+    """Let a book drop from its current pose, as when the fingers open; set its new pose and support.
 
-    If a shelf's board or the tray is below the book's middle, at most 20 mm below its foot, the book rests on
-    it: on the board in its slot, leaning as far as its neighbours allow; on the tray upright. Otherwise it
-    falls to the floor, or flat onto the board, and is lost to the robot.
+    If a shelf's board or the tray is below the book's middle, at most 20 mm below the lower edge of its spine
+    (its foot), the book rests on it: on the board in its slot, leaning as far as its neighbours allow; on the
+    tray upright. Otherwise it falls to the floor, or flat onto the board, and is lost to the robot.
 
     Args:
         books: books and shelves of the scene.

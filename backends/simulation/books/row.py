@@ -47,7 +47,7 @@ class FreeInterval(NamedTuple):
 
     @property
     def middle(self) -> float:
-        """Middle of the interval: y in the frame S, in [m]."""
+        """Middle of the free interval, as y in the shelf frame S, in [m]."""
         return (self.right + self.left) / 2
 
     @property
@@ -57,7 +57,8 @@ class FreeInterval(NamedTuple):
 
 
 class Pusher(NamedTuple):
-    """Front face of the hand, or of a held book, that pushes into a row; in the shelf frame S, in [m].
+    """Front face of the hand, or of a held book, that is pushed into a row of books; in the shelf frame S, in
+    [m].
 
     The face is at x = `lead`, and extends from `right` to `left` along y and from `low` to `high` along z.
     """
@@ -72,10 +73,10 @@ class Pusher(NamedTuple):
 
 
 class Push(NamedTuple):
-    """Position, force and pushed members when a face pushes a row.
+    """Result of pushing against a row of books: final position, force, and the objects that were met.
 
     `lead` is the x of the pusher's face in the shelf frame S, in [m]; `force` the size of the force on the
-    face, in [N]; `met` has the names of the row's members that the face met.
+    face, in [N]; `met` has the names of the books or panels in the row that the face met.
     """
 
     lead: float

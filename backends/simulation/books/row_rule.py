@@ -28,7 +28,9 @@ _FACING = np.cos(np.radians(30.0))
 
 
 class Front(NamedTuple):
-    """A shelf in front of the hand, with its row, and the hand's pose (4, 4) in the shelf frame S."""
+    """State when the hand is in front of a shelf: the shelf, its row of books, and the hand's pose (4, 4) in
+    the shelf frame S.
+    """
 
     shelf: SimulatedShelf
     row: list[Member]
@@ -60,7 +62,11 @@ class RowRule(HandRule):
 
     @property
     def entered(self) -> tuple[str, FreeInterval, bool] | None:
-        """Shelf's name, slot, and True if the book enters, for checkpoints; None if the hand is outside."""
+        """State of a book's insertion for checkpoints: shelf's name, slot, and True if the book fits into the
+        slot.
+
+        None if no book's leading edge has passed the front of a row.
+        """
         return None if self.entry is None else (self.entry.shelf.name, self.entry.slot, self.entry.admitted)
 
     @entered.setter
@@ -72,7 +78,9 @@ class RowRule(HandRule):
 
     @property
     def entries(self) -> int:
-        """Number of entries into slots so far, which selects the random draw of the next one."""
+        """Number of books so far that a hand began to insert into slots; it selects the random numbers of the
+        next insertion.
+        """
         return self._entrance.count
 
     @entries.setter
@@ -143,12 +151,17 @@ class RowRule(HandRule):
         return float(max(0.0, 2 * (min(left, right) - finger.thickness)))
 
     def gripped(self, thing: Thing) -> None:
-        """Record a grasp: a book that is gripped on a shelf is in the state of entry of its slot."""
+        """Record that the fingers have gripped a thing; a book that stands on a shelf is then treated as
+        inserted into its slot.
+        """
         if isinstance(thing, SimulatedBook) and thing.rest is Rest.TABLE and thing.shelf is not None:
             self.entry = self._slot_of(thing, self._books.shelves[thing.shelf])
 
     def left(self) -> FreeInterval | None:
-        """Forget the entry of the book that the fingers release; return the slot that it was in, or None."""
+        """Return the slot of the book that the fingers just released, and forget that it was being inserted.
+
+        None if the book was in no slot.
+        """
         slot = self.entry.slot if self.entry is not None and self.entry.admitted else None
         self.entry = None
         return slot

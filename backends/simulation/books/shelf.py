@@ -45,7 +45,9 @@ class SimulatedShelf:
         """y in S of the book end's left face, in [m]; it reaches to the right panel."""
 
     def standing(self) -> Iterator[tuple[BookSpec, float]]:
-        """Yield the books on the shelf in the world's file, each with the y of its middle in S, in [m]."""
+        """Yield the books that the world's file puts on the shelf, each with the y of its middle in the shelf
+        frame S, in [m].
+        """
         left = self.half_width
         for entry in self.spec.books:
             if isinstance(entry, GapSpec):
@@ -76,7 +78,9 @@ class SimulatedShelf:
         return {part: self._box(part, *ends) for part, ends in bounds.items()}
 
     def solids(self) -> list[Solid]:
-        """Return the solids of the shelf for a world; inner parts are dimmed by the spec's factor `light`."""
+        """Return the solids of the shelf for a world; the grey of its inner parts is multiplied by the factor
+        `light` of the world's file.
+        """
         greys = {part: object_.grey for part, object_ in zip(self.objects(), self.spec.objects, strict=True)}
         greys |= dict.fromkeys(INNER_PARTS, round(WOOD_GREY * self.spec.light))
         return [Solid(box, grey=greys.get(part, WOOD_GREY)) for part, box in self.parts().items()]
