@@ -212,7 +212,7 @@ class Backend(ABC):
         return None
 
     def get(self, kind: type[CapabilityT]) -> CapabilityT | None:
-        """Return the capability of that kind, None where the robot has none."""
+        """Return the robot's first capability of the class `kind`; None if the robot has none."""
         return next((capability for capability in self.capabilities() if isinstance(capability, kind)), None)
 
     def sensor(self, name: str) -> Capability | None:

@@ -144,8 +144,8 @@ def check_world(
     Args:
         world: file of the world, or a map from which a world is made; a map is only read.
         robot: robot file.
-        initial_pose: map_T_base that the robot is given at the start; None if it is given no pose.
-        grid: map that the robot is given; None if it is given no map.
+        initial_pose: map_T_base that the program gives to the robot at the start; None if it gives no pose.
+        grid: map that the program gives to the robot; None if it gives no map.
 
     Raises:
         FileError: lists all errors.

@@ -70,7 +70,7 @@ def unpack(content: bytes) -> Any:
 
 
 def digest(content: bytes | memoryview) -> str:
-    """Return the SHA-256 of the content in hexadecimal, which identifies it."""
+    """Return the SHA-256 checksum of a content in hexadecimal, by which the content can be identified."""
     return hashlib.sha256(content).hexdigest()
 
 

@@ -123,10 +123,10 @@ class CanBackend(Backend):
 
     @classmethod
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> CanBackend:
-        """Build as `Backend.build` does.
+        """Build the backend for a real bus, or with simulated drives if the robot's file names the interface
+        `virtual`.
 
-        On the interface `virtual` the drives are simulated. If a world is given, the robot on them is
-        simulated in it as well.
+        With simulated drives and a world, the robot that they move is simulated in this world as well.
         """
         if robot.can is not None and robot.can.interface == VIRTUAL_INTERFACE:
             from handcart.backends.kinematic.kinematic_backend import KinematicBackend

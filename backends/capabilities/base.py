@@ -44,7 +44,7 @@ class DriveCommand(NamedTuple):
     def direction(self) -> float:
         """Direction of travel in the base frame, in [rad], counter-clockwise from straight ahead.
 
-        0 for straight ahead, and for straight back with a negative `along`.
+        It is 0 for straight ahead. For straight back it is 0 too, with a negative `along`.
         """
         return math.atan2(self.sideways, self.speed) if self.sideways else 0.0
 
@@ -83,7 +83,7 @@ class Base(Capability):
 
     @abstractmethod
     def wheel_travel(self) -> WheelTravel:
-        """Return the travel of the wheels by their encoders."""
+        """Return the distances in [m] that the wheels have rolled so far, by their encoders."""
 
 
 class HolonomicBase(Base):

@@ -33,7 +33,7 @@ class Camera(AnyCamera):
     def image(self) -> ByteArray:
         """Return this period's picture (height, width), grey, from 0 to 255.
 
-        It has the lens's distortion and the sensor's noise.
+        The picture has the lens's distortion and the sensor's noise.
         """
 
     @property
@@ -64,9 +64,10 @@ class Camera(AnyCamera):
 
 
 def camera_of_kind(capabilities: Iterable[Capability], kind: type[CapabilityT]) -> CapabilityT | None:
-    """Return the camera of class `kind` on the hand; None if there is none.
+    """Return the camera of the class `kind` that is on the hand.
 
-    For `AnyCamera`, return the first camera elsewhere on the robot if the hand has none.
+    If no camera is on the hand: the first camera elsewhere on the robot for the class `AnyCamera`, None for
+    any other class.
     """
     cameras = [capability for capability in capabilities if isinstance(capability, kind)]
     on_hand = next((camera for camera in cameras if getattr(camera, "carrier", "") == HAND_LINK), None)

@@ -32,7 +32,7 @@ COEFFICIENT_COUNTS = {
 
 
 class Matrix(FileModel):
-    """A matrix in a ROS `camera_info` file; `data` holds its values row by row."""
+    """A matrix of a camera in a ROS `camera_info` file; `data` holds the matrix's values row by row."""
 
     model_config = ConfigDict(extra="ignore")
 

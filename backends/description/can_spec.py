@@ -130,7 +130,7 @@ class JointDriveSpec(AxisSpec):
 
     @property
     def following(self) -> float:
-        """Window of the drive's following error, in [rad], or [m] for a sliding joint."""
+        """Largest allowed following error of the drive (6065h), in [rad], or [m] for a sliding joint."""
         return self.following_mm / 1e3 if self.slides else math.radians(self.following_deg)
 
 

@@ -35,11 +35,11 @@ class JointUnits(NamedTuple):
         return tuple(self.user_value(joint, value) for joint, value in enumerate(values))
 
     def user_value(self, joint: int, value: float) -> float:
-        """Return the value of one joint in [deg], or in [mm] for a sliding joint.
+        """Return the position of one joint in [deg], or in [mm] for a sliding joint.
 
         Args:
             joint: index of the joint, from 0.
-            value: value in [rad] or [m].
+            value: position in [rad] or [m].
         """
         return 1e3 * value if self.slides[joint] else math.degrees(value)
 

@@ -128,7 +128,9 @@ class SuspensionSpec(FileModel):
 
 
 class Tolerance(FileModel):
-    """Largest differences up to which a measured state of robot and objects equals an earlier state."""
+    """Largest differences between a measured state of robot and objects and an earlier one that count as
+    equal.
+    """
 
     base_mm: Positive
     base_deg: Positive
@@ -144,7 +146,9 @@ class UnknownPosture(InputError):
 
 
 class RobotFile(SensorTable, OutlinedFile):
-    """A robot: drive, arm, sensors, limits, tolerances, postures, and the errors of its simulation."""
+    """Content of a robot's YAML file: drive, arm, sensors, limits, tolerances, postures, and simulated
+    errors.
+    """
 
     format: Literal["handcart-robot/1"]
     urdf: UrdfPlace
@@ -212,7 +216,8 @@ class RobotFile(SensorTable, OutlinedFile):
     def urdf_path(self) -> Path:
         """Return the path of a file with the URDF of the complete robot.
 
-        The file is the robot's own URDF if that is complete, otherwise a temporary file.
+        The file is the one that the robot's file names if it contains the complete robot, otherwise a
+        temporary file.
         """
         if self._path is None:
             text = self.urdf_text().encode()
@@ -343,7 +348,9 @@ class RobotFile(SensorTable, OutlinedFile):
 
     @cached_property
     def body_height(self) -> float:
-        """Height of the top of the base's own body above the floor by the URDF, in [m]."""
+        """Height of the top of the base's body (without arm and mounted parts) above the floor by the URDF,
+        in [m].
+        """
         from handcart.backends.urdf.robot_shape import body_height
 
         return body_height(self.urdf_text())

@@ -17,7 +17,9 @@ Carrier = Literal["base", "any"]
 
 
 class UnreadableFile(HandcartError, ValueError):
-    """Error: a file named in a sensor's section of the robot's file is missing, or outside the folder."""
+    """Error: a file named in a sensor's section of the robot's file is missing, or outside that file's
+    folder.
+    """
 
     def __init__(self, key: str, wrong: str) -> None:
         self.key = key

@@ -59,11 +59,15 @@ class SensorTable(FileModel):
         return self
 
     def key_of(self, name: str) -> tuple[str, ...]:
-        """Return the key path of a sensor's section in the robot's file."""
+        """Return the keys that lead to a sensor's section in the robot's file, such as `("sensors",
+        "lidar")`.
+        """
         return (name,) if name in self._old else (TABLE_KEY, name)
 
     def name_of(self, sensor: SensorSpec) -> str:
-        """Return the name of a sensor of the robot, given its description (the same object)."""
+        """Return the name of a sensor in the robot's file, given its description, which must be the table's
+        own object.
+        """
         return next(name for name, spec in self.sensors.items() if spec is sensor)
 
     def all_of(self, kind: type[S]) -> dict[str, S]:

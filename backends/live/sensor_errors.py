@@ -12,7 +12,7 @@ from handcart.files.errors import InputError
 
 
 class NoSensor(InputError):
-    """Error: a sensor can't be opened, or differs from its section in the robot's file."""
+    """Error: a sensor can't be opened, sends no readings, or differs from its section in the robot's file."""
 
 
 class StaleSensor(RobotFault):

@@ -56,11 +56,11 @@ _FELT = 4  # of a period's looks at what touches, the last ones in which the for
 class PhysicsBackend(SimulatedBackend):
     """A mobile base with arm, gripper, camera and lidar in a physics engine.
 
-    It reads the same robot and world files as the kinematic backend, with the same solids. Two driven
-    wheels and frictionless casters roll on a floor, or several wheels on each side, which slide sideways
-    when the base turns. Joints have drives with limited torque; two coupled fingers hold by friction;
-    things are rigid bodies that rest, lean on each other and fall. A base that tilts is mounted on springs.
-    A car steers its front wheels on rough ground, a height field.
+    It reads the same robot and world files as the kinematic backend, with the same solids. Two driven wheels
+    and frictionless casters roll on a floor, or several wheels on each side, which slide sideways when the
+    base turns. Joints have drives with limited torque; two coupled fingers hold by friction; things are rigid
+    bodies that rest, lean on each other and fall. A base that tilts is mounted on springs. A base that steers
+    like a car drives on rough ground, which is a height field.
 
     Simulated errors, drawn from the seed: radius of each wheel, tread, the arm's errors, ranges, image noise,
     blur, light, lens, the force reading, and the places at which a person puts robot and things. Slip and

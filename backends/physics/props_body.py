@@ -38,7 +38,7 @@ class PropsBody:
         self.props, self.pieces = props, pieces
 
     def step(self) -> None:
-        """Act at the beginning of a period, after the domain's `SceneProps.step`."""
+        """Act on the domain's objects at the beginning of a period, after the domain's `SceneProps.step`."""
 
     def act(self) -> None:
         """Act before each chunk of the period; a chunk is the time between two commands to the drives."""

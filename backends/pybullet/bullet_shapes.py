@@ -73,7 +73,9 @@ def tile_shape(client: int, cell: float, heights: FloatArray) -> tuple[int, int]
 
 
 def thing_shape(client: int, pieces: Sequence[Piece]) -> int:
-    """Return Bullet's collision shape of all pieces of a thing, centred at its middle."""
+    """Return Bullet's number of a collision shape made of all pieces of a thing, centred at the thing's
+    middle.
+    """
     p = bullet()
     if len(pieces) == 1 and isinstance(pieces[0], Cuboid) and pieces[0].ahead == 0.0:
         half = [length / 2 for length in pieces[0].size]

@@ -18,7 +18,7 @@ MIN_WEIGHT = 0.1  # of the latest scan: a slowly approaching obstacle must not b
 class AveragedScan:
     """Running average of a lidar's ranges, beam by beam, while the base hardly moves.
 
-    It keeps noise from making the base creep near obstacles.
+    Without averaging, the ranges' noise would make the base creep when an obstacle stops it.
     """
 
     def __init__(self, pose: Callable[[], Pose2]) -> None:

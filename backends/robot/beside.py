@@ -23,7 +23,8 @@ class Holding(Protocol):
 def beside(work: Callable[..., T], *args: object) -> Generator[None, None, T]:
     """Run a function in a thread, and yield once a control period until it is done; return its result.
 
-    If the generator is closed early, it does not wait: the result is lost, and the thread ends by itself.
+    A generator that is closed early does not wait for the function: the thread runs on to the function's end,
+    and the result is lost.
     """
     pool = ThreadPoolExecutor(1, "compute")
     try:

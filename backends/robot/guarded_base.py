@@ -147,13 +147,15 @@ class GuardedBase(HolonomicBase):
         return self._base.wheel_travel()
 
     def starts_here(self) -> None:
-        """Make the pose at the next command the start, where the base may return even close to obstacles."""
+        """Make the base's pose at the next command the start of its drive, to which the base may return even
+        if obstacles are close.
+        """
         self._starts = True
 
     def may_stand_at(self, pose: Pose2) -> None:
         """Allow the base to come as close to mapped obstacles as it would be at `pose` (map_T_base).
 
-        This holds until a new start is set (`starts_here`).
+        This holds until `starts_here` is called and the base is commanded again.
         """
         self._begin()
         self._guard.may_stand_at(pose)

@@ -54,8 +54,8 @@ MAX_STOP_PERIODS = 3  # control periods within which the command to stop leaves
 class Robot:
     """Robot as primitives use it, with its backend, its file, and the estimates from its readings.
 
-    The outermost loop calls `step` once a period; primitives never do. `pose` is map_T_base; it is estimated
-    here by the same code for all backends.
+    Only the program's outermost loop calls `step`, once a period. `pose` is map_T_base, which this class
+    estimates by the same code for all backends.
     """
 
     STATE: ClassVar[Kinds] = {"time": float, "failed_from": Pose2 | None}
@@ -208,7 +208,7 @@ class Robot:
 
     @cached_property
     def arm_model(self) -> ArmModel:
-        """Kinematics of the arm, from the URDF; its tip is the frame `hand`."""
+        """Kinematic model of the arm from the URDF, up to the frame `hand`."""
         if self.spec.arm is None:
             raise MissingCapability(Arm, self.backend.capabilities())
         return self.spec.arm_model()
@@ -237,7 +237,9 @@ class Robot:
 
     @property
     def driven(self) -> tuple[float, float]:
-        """Speed ahead in [m/s] and turn rate to the left in [rad/s], as commanded in the last period."""
+        """Forward speed in [m/s] and turn rate to the left in [rad/s] that were commanded in the last
+        period.
+        """
         return self.command.speed, self.command.turn_rate
 
     @cached_property
@@ -319,7 +321,7 @@ class Robot:
         """Return the picture (height, width) of `view_camera`, grey, 0 to 255.
 
         Raises:
-            StaleReading: the picture equals the last one bit by bit, although arm or wheels have moved. A
+            StaleReading: all pixels equal those of the previous picture, although arm or wheels have moved. A
                 camera without noise may return the same picture if the robot is back at the same pose.
         """
         noisy = self.spec.errors.image_noise_grey > 0.0
@@ -357,7 +359,7 @@ class Robot:
         """Restore the estimates returned by `state`, after the backend's state was restored.
 
         Raises:
-            NotAState: the data belong to another kind of robot.
+            NotAState: the data are not the estimates of a robot with the same kind of localization.
         """
         if not isinstance(state, dict) or state.keys() - {"driven"} != {"robot", "attitude", "localization"}:
             raise NotAState("no state of this robot; needed: robot, attitude, localization")

@@ -24,9 +24,9 @@ DRIVEN_S = 60.0
 class UnseenGround:
     """Guard that keeps the base off ground that its lidar does not see.
 
-    The lidar does not see the ground behind it if its field of view is 180 degrees, nor in masked sectors,
-    nor along beams that are too close or invalid. The base enters unseen ground only where it has driven in
-    the current action or in the last minute, so that it can drive back along its route.
+    Unseen ground is outside the lidar's field of view, in masked sectors, and along beams that are too close
+    or invalid. The base enters unseen ground only where it has driven in the current action or in the last
+    minute, which lets it drive back along its route.
     """
 
     STATE: ClassVar[Kinds] = {"_driven": list[tuple[float, float, float]]}

@@ -31,12 +31,12 @@ class _Watched:
 
 
 class GoalStream:
-    """Sender of a new goal to a controller's action in each period, which monitors the goals.
+    """Sender of goals to the action of a controller, one in each control period; it also monitors the goals.
 
-    Each goal replaces the one before. A trajectory goal ends with the period for which it was computed; if no
-    further goal follows, for example because this program was killed, the controller holds the goal's end. A
-    goal that is rejected, aborted, cancelled by another node, or not answered is a fault; a replaced goal
-    that ends early is not.
+    Each goal replaces the goal before it. A trajectory goal ends with the period for which it was computed;
+    if no further goal follows, for example because this program was killed, the controller holds the goal's
+    end. A goal that is rejected, aborted, cancelled by another node, or not answered is a fault; a replaced
+    goal that ends early is not.
     """
 
     def __init__(

@@ -25,7 +25,7 @@ class JointController(Protocol):
         """
 
     def cancel(self) -> None:
-        """Cancel the positions that were sent, if the controller can."""
+        """Cancel the motion to the positions that were sent last, if the controller can cancel it."""
 
 
 class TopicController(JointController):

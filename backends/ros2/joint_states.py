@@ -56,7 +56,8 @@ class JointStates(TopicSensor):
         self._history: deque[tuple[float, dict[str, float]]] = deque(maxlen=KEPT_STATES)
 
     def limit(self, names: Sequence[str], speeds: FloatArray) -> None:
-        """Set the top speeds of joints; a faster motion between two messages is a jump.
+        """Set the top speeds of joints; a faster motion between two messages is treated as an implausible
+        jump of the position.
 
         Args:
             names: names of the n joints in ROS.
@@ -67,7 +68,7 @@ class JointStates(TopicSensor):
     @property
     @override
     def age(self) -> float | None:
-        """Age in [s] of the oldest of the joints' last readings; None before the first message."""
+        """Time in [s] since the oldest of the last readings of all joints; None before the first message."""
         if self._came is None:
             return None
         return self._now - min(self._taken_s.values(), default=self._came)
@@ -107,7 +108,7 @@ class JointStates(TopicSensor):
 
     def efforts(self, names: Sequence[str]) -> FloatArray:
         """Return the efforts (n,) of joints by their names in ROS, in [Nm] or [N], with the robot file's
-        signs; NaN for a joint without one.
+        signs; NaN for a joint whose effort is not published.
         """
         self.check_fresh()
         return np.array([self._efforts.get(name, math.nan) for name in names])

@@ -31,11 +31,11 @@ class OdometryTopic(TopicSensor):
     """Distance by which the odometry jumped, as text; "" if it did not."""
 
     def fit(self, drive: Drive, limits: RosOdometrySpec = RosOdometrySpec()) -> None:
-        """Set the parameters, before the first message.
+        """Set drive and limits, before the first message arrives.
 
         Args:
             drive: drive of the robot, to convert motion to wheel travel.
-            limits: limits of the motion between two messages, beyond which it is a jump.
+            limits: largest plausible motion between two messages; a larger one is a jump of the odometry.
         """
         self._drive, self._limits = drive, limits
         self._last: tuple[float, Pose2] | None = None

@@ -22,8 +22,8 @@ UNKNOWN_COVARIANCE = 0
 class RosGps(TopicSensor, Gps):
     """Satellite receiver whose fixes are received from a ROS topic.
 
-    Positions are converted to a plane at the task's origin. A fix is returned only in the period in which it
-    arrived.
+    Positions are converted to a plane that touches the earth at the origin stated in the robot's file. A fix
+    is returned only in the period in which it arrived.
     """
 
     KIND = "sensor_msgs/NavSatFix"

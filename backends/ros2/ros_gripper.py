@@ -96,7 +96,9 @@ class RosGripper(CommandedGripper):
         return max(self._period, way / (self._spec.speed_mm_s / 1e3))
 
     def position(self, width: float) -> float:
-        """Return the position of each finger's joint, in [rad] or [m], at an opening in [m]."""
+        """Return the position of the fingers' joints, in [rad] or [m], at which the pads are `width` [m]
+        apart.
+        """
         return self._zero + self._per_m * width
 
     def _presses(self) -> bool:

@@ -48,8 +48,8 @@ class BackendPlant(Plant):
         self._driven: dict[int, float] = {}
 
     def place(self, drives: Mapping[int, DriveNode]) -> None:
-        """Set the drives, by their node IDs, to the positions that arm and gripper of the simulated robot
-        hold.
+        """Set the simulated drives, given by node ID, to the positions at which the simulated robot's arm and
+        gripper are.
         """
         command = self._arm.command() if self._arm else ()
         for axis, angle in zip(self._axes.joints, command, strict=False):

@@ -68,7 +68,7 @@ class Bench:
         return self._drives.line
 
     def open(self) -> BenchBus:
-        """Return the program's end of the bus."""
+        """Return the connection to the simulated bus that the program uses."""
         self.master = BenchBus(self._drives.open())
         return self.master
 
@@ -115,7 +115,7 @@ class Bench:
             act()
 
     def close(self) -> None:
-        """Close bus and robot; a second call does nothing."""
+        """Close the bus and the simulated robot; a second call does nothing."""
         self._drives.close()
         if self.master is not None:
             self.master.shutdown()

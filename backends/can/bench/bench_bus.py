@@ -8,7 +8,9 @@ import can
 
 
 class BenchBus(can.BusABC):
-    """A virtual bus whose interface can go down, fill up, or hold frames back, as real ones do."""
+    """Wrapper of a bus that simulates faults of its interface: it is down, its queue is full, or frames stay
+    in the queue.
+    """
 
     def __init__(self, bus: can.BusABC) -> None:
         """Take over an open bus, which `shutdown` closes."""

@@ -68,9 +68,9 @@ class BusLoad:
 
     @property
     def burst_s(self) -> float:
-        """Time to send each frame once, back to back, in [s].
+        """Time in [s] that the bus needs to send each cyclic frame once, without gaps.
 
-        This is the largest delay of the last frame in a control period.
+        This is the largest delay of the frame that is sent last in a control period.
         """
         return sum(frame.bits for frame in self.frames) / self.bitrate
 

@@ -29,7 +29,8 @@ def taken_by(
     """Return a description of a foreign node that already uses the channel of a bus; "" if none is found.
 
     The function listens before it sends, because a request that is sent at once could stop a running robot on
-    this channel. If nothing is heard, it asks the node IDs in `nodes` for their device type.
+    this channel. If nothing is heard, it asks for the device type: of the node IDs in `nodes` on a shared
+    channel, otherwise of all node IDs.
 
     Args:
         bus: an open bus without any of our nodes.
@@ -47,7 +48,9 @@ def taken_by(
 
 
 def own_channel(name: str) -> str:
-    """Return a multicast address computed from a robot's name; two names rarely have the same address."""
+    """Return a multicast address computed from a robot's name; two different names rarely give the same
+    address.
+    """
     number = zlib.crc32(name.encode()) % (254 * 254)
     return f"239.74.{1 + number // 254}.{1 + number % 254}"
 

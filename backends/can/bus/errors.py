@@ -167,7 +167,9 @@ class Emergency(CanFault):
 
 
 class NodeRestarted(CanFault):
-    """Error: a node booted, or left OPERATIONAL, during a run; the zero of its counts may have changed."""
+    """Error: a node booted, or left OPERATIONAL, during a run; its encoder's counts may have another zero
+    now.
+    """
 
     def __init__(self, node: str, what: str) -> None:
         super().__init__(f"{node} {what} under way; needed: OPERATIONAL")

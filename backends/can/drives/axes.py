@@ -58,7 +58,7 @@ class Axes(Mapping[str, Axis]):
 
     @property
     def names(self) -> dict[int, str]:
-        """Names of the drives for people, by node ID."""
+        """Names of the drives as they appear in messages, such as `left wheel`, by node ID."""
         return {axis.spec.node: axis.name for axis in self.values()}
 
     def set_up(self, line: CanLine) -> None:
@@ -109,7 +109,7 @@ class Axes(Mapping[str, Axis]):
             check.check()
 
     def end_handshakes(self) -> None:
-        """Withdraw the requests for new set-points from the drives, after they answered."""
+        """Clear the controlwords' bit "new set-point" of all drives that have answered to it."""
         for axis in self.values():
             axis.end_handshake()
 

@@ -188,7 +188,7 @@ class Axis(canopen.RemoteNode):
         self._target = target
 
     def stand(self, position: float) -> None:
-        """Set command and expected position to the position [m] or [rad] at which the enabled drive rests."""
+        """Set the commanded and the expected position to `position` [m] or [rad], where the drive rests."""
         self._target = position if self.positioned else 0.0
         self._sent = self.units.counts(position) if self.positioned else None
         self.expected.stand_at(position)
@@ -275,7 +275,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def missing(self) -> list[Pdo]:
-        """Answers to the last SYNC that have not arrived."""
+        """Answers (TPDOs) of the drive to the last SYNC that have not arrived."""
         return [answer for answer in self.layout.answers if answer.objects[0] not in self._fresh]
 
     @property

@@ -22,7 +22,7 @@ class AxisUnits:
         return round(position * self.scale) + self.zero
 
     def position(self, counts: float) -> float:
-        """Return counts as a position in [m] or [rad]."""
+        """Return a drive's position in counts as the axis' position in [m] or [rad]."""
         return (counts - self.zero) / self.scale
 
     def rate(self, value: float) -> int:
@@ -43,7 +43,7 @@ class AxisUnits:
 
 
 def unwrapped(counts: int, before: int, size: int = 2**32) -> int:
-    """Return the signed change of a wrapping counter, of at most half of its range, since an earlier reading.
+    """Return the signed change of a wrapping counter since an earlier reading, at most half of its range.
 
     Args:
         counts: reading now.

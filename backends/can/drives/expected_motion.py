@@ -32,7 +32,7 @@ class ExpectedMotion:
     """Cyclic set-point that becomes valid with the next SYNC, in [m] or [rad], or [m/s] for a wheel."""
 
     def stand_at(self, position: float) -> None:
-        """Set the axis to rest at a position in [m] or [rad]."""
+        """Set the expected motion to rest at a position in [m] or [rad]."""
         self.position, self.velocity = position, 0.0
         self._next = 0.0 if self.mode == CYCLIC_VELOCITY else position
 

@@ -60,7 +60,7 @@ class PositionJumps:
         return moved - min(max(float(moved), lowest), highest)
 
     def forget(self) -> None:
-        """Forget all recorded speeds, because the axis now rests at another position."""
+        """Forget all recorded speeds, because the axis was set to rest at another position."""
         self._speeds.clear()
 
 

@@ -48,7 +48,7 @@ def narrowed(known: PositionRange, lowest: object, highest: object) -> PositionR
     Limits that are not integers, or not in ascending order, are ignored; drives without limits state 0 and 0.
 
     Args:
-        known: range so far.
+        known: range of counts that is known so far.
         lowest: stated lowest count.
         highest: stated highest count.
     """
@@ -77,8 +77,8 @@ def wrap_inside_travel(
         limits: limits of the axis.
         period: control period [s].
         counted: the range in which the drive counts.
-        is_positioned: True if the axis is under position control. A wheel is not: its counts may wrap if a
-            range lasts for more than 8 periods at full speed.
+        is_positioned: True if the axis is under position control. False for a wheel, whose counts may wrap if
+            at full speed it takes more than 8 periods to run through the range.
     """
     size = f"its position (6064h) wraps every {counted.size} counts ({counted.size / abs(units.scale):.3g}"
     if not is_positioned:

@@ -89,7 +89,9 @@ def as_the_library_spells(text: str) -> str:
 
 
 def number(text: str) -> int:
-    """Return a number as CiA 306 writes it; raises ValueError."""
+    """Parse an integer of an EDS file, which may be decimal, hexadecimal or octal (CiA 306); raise ValueError
+    for other texts.
+    """
     if not text.isascii() or "_" in text:  # int() reads other scripts' digits, and 1_0
         raise ValueError(f"{text!r} is no number")
     octal = _OCTAL.fullmatch(text.strip())

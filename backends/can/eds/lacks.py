@@ -9,7 +9,9 @@ from handcart.backends.description.can_spec import AxisSpec, Without
 
 
 class Lack(NamedTuple):
-    """A feature that some drives lack, with its objects and the consequence of using a drive without it."""
+    """A group of objects that some drives lack, with its description and the consequence of using a drive
+    without it.
+    """
 
     objects: tuple[int, ...]
     what: str
@@ -90,5 +92,5 @@ def accepting(index: int) -> str:
 
 
 def not_watched(axis: AxisSpec) -> list[str]:
-    """Return messages with the consequence of each feature that, by the robot's file, a drive lacks."""
+    """Return, for each feature that a drive lacks by the robot's file, a message with the consequence."""
     return [f"without {DEVICE_LACKS[item].what}: {DEVICE_LACKS[item].then}" for item in axis.without]

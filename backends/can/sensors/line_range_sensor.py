@@ -45,7 +45,7 @@ class LineRangeSensor(LineSensor, RangeSensor):
         self._ranges = np.full(spec.beams, np.inf)
 
     def scan(self) -> Scan:
-        """Return the last scan that arrived, its ranges beyond the lidar's reach set to infinity.
+        """Return the last scan that arrived; ranges beyond the lidar's reach are set to infinity.
 
         Raises:
             StaleSensor: no new scan has arrived in time.

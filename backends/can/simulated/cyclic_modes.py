@@ -39,12 +39,14 @@ class CyclicPosition(DriveMode):
 
     @property
     def status(self) -> int:
-        """Mode's bits of the statusword (6041h): bit 12, the drive follows its set-points."""
+        """Mode's bits of the statusword (6041h): bit 12, which says that the drive follows its set-points."""
         return SETPOINT_TAKEN
 
 
 class CyclicVelocity(DriveMode):
-    """CiA 402 mode 9 (CSV) of a simulated drive, which runs at the last SYNC's target velocity (60FFh)."""
+    """CiA 402 mode 9 (CSV) of a simulated drive, which runs at the target velocity (60FFh) received before
+    the last SYNC.
+    """
 
     @override
     def begin(self) -> None:
@@ -63,7 +65,7 @@ class CyclicVelocity(DriveMode):
 
     @property
     def status(self) -> int:
-        """Mode's bits of the statusword (6041h): bit 12, the drive follows its set-points."""
+        """Mode's bits of the statusword (6041h): bit 12, which says that the drive follows its set-points."""
         return SETPOINT_TAKEN
 
     @property

@@ -42,7 +42,7 @@ class DriveFaults:
 
     @property
     def notices(self) -> bool:
-        """True if the drive notices a following error, which it does not with a fault in `gain` or `late`."""
+        """True if the drive detects following errors; with a fault in `gain` or `late` it does not."""
         return self.gain == 1.0 and self.late == 0
 
     def astray(self, way: float) -> float:

@@ -42,7 +42,7 @@ class DriveObjects:
         self._values.clear()
 
     def described(self, index: int, subindex: int = 0) -> bool:
-        """Return True if the object can be read by SDO."""
+        """Return True if the drive's EDS describes the object, so that it can be read by SDO."""
         return _entry(self.dictionary, index, subindex) is not None
 
     def _default(self, index: int, subindex: int) -> int:

@@ -18,7 +18,9 @@ _NODES = 0x7F
 
 
 class EmergencyWatch(Watch):
-    """Detector of EMCY messages (CiA 301) of any node, except error codes that the robot's file allows."""
+    """Detector of EMCY messages (CiA 301) of any node, except EMCY messages with error codes that the robot's
+    file allows.
+    """
 
     def __init__(self, names: Mapping[int, str], allowed: Collection[int]) -> None:
         """Watch a bus; `names` are those of known nodes by node ID, `allowed` are ignored error codes."""

@@ -21,7 +21,7 @@ _STUFFABLE = 34
 
 
 class TrafficWatch(Watch):
-    """Detector of too much load on the bus, and of frames that CANopen nodes never send."""
+    """Detector of a bus with too many frames, or with many frames that CANopen nodes never send."""
 
     def __init__(
         self, bitrate: int, malformed: Callable[[], int], last_malformed: Callable[[], str] = str

@@ -8,7 +8,9 @@ import can
 
 
 def plain(frame: can.Message) -> bool:
-    """Return True if a frame is of the kind that CANopen nodes send: with data and an 11-bit identifier."""
+    """Return True if CANopen nodes send frames of this kind: classic CAN data frames with an 11-bit
+    identifier.
+    """
     return not (frame.is_error_frame or frame.is_extended_id or frame.is_remote_frame or frame.is_fd)
 
 

@@ -121,7 +121,9 @@ class MujocoEngine(Engine):
         return self._grown.links()
 
     def displaced(self) -> None:
-        """Mark all poses as outdated after a change of coordinates; the next call of `links` updates them."""
+        """Mark all poses as outdated after a joint was set; the next call of the method `links` computes them
+        again.
+        """
         self._grown.displaced()
 
     def parts(self) -> Sequence[int]:
@@ -204,7 +206,7 @@ class MujocoEngine(Engine):
         spec.mass, spec.inertia = mass, inertia
 
     def pose(self, body: int) -> Transform:
-        """Return the pose world_T_body (4, 4) of a thing, whose frame is at its centre of mass."""
+        """Return the pose world_T_body (4, 4) of a thing's frame, which is at its centre of mass."""
         index, data = self.thing_at(body).body, self.links()
         result = np.zeros((4, 4))
         result[:3, :3], result[:3, 3], result[3, 3] = data.xmat[index].reshape(3, 3), data.xpos[index], 1.0
@@ -299,7 +301,7 @@ class MujocoEngine(Engine):
     def state(self) -> dict[str, Any]:
         """Return MuJoCo's state, and the connection between hand and held thing, for a checkpoint.
 
-        A run that is restored from it continues bit by bit like the original run.
+        A run that is restored from this state continues like the original run, to the last bit.
         """
         pinned = to_plain(self.pinned, Pinned | None)
         leans = self._leaning.trees.astype(np.int64)

@@ -13,7 +13,7 @@ _NOTHING = frozenset[Touching]()
 
 
 class Pressing:
-    """Finder of the contacts of each body in which a force acts.
+    """Reader of MuJoCo's contacts that finds, for each body, the bodies that press against it.
 
     The last result is cached, because after most steps the same geometries touch as before.
     """

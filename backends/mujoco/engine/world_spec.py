@@ -123,7 +123,9 @@ class WorldSpec:
         )
 
     def thing(self, number: int, form: ThingForm) -> None:
-        """Add a rigid body that moves freely, or on a joint of the world; its frame is at its mass centre."""
+        """Add a rigid body that moves freely, or on a joint of the world; the body's frame is at its centre
+        of mass.
+        """
         body = self._hang(number, form) if form.hung is not None else self._set_free(number, form)
         body.explicitinertial, body.ipos = True, (0.0, 0.0, 0.0)
         inertia = rod_inertia if form.is_round else box_inertia

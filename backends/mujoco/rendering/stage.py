@@ -65,7 +65,9 @@ class PictureStage:
         return True
 
     def repaint(self) -> list[int]:
-        """Update the textures of things whose pictures have changed; return MuJoCo's texture numbers."""
+        """Update the textures of things whose pictures have changed; return MuJoCo's numbers of the changed
+        textures.
+        """
         if self._style.coloured:
             return []
         changed = []

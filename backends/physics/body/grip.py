@@ -51,7 +51,7 @@ class Grip:
         return None if pinned is None else pinned.other
 
     def take(self, other: int) -> None:
-        """Fix a body to the hand at its current pose."""
+        """Fix the engine's body with the number `other` to the hand, at the body's current pose."""
         there = self._there(other)
         pinned = self._engine.pinned
         if pinned is not None and pinned.other == other:

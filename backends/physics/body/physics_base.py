@@ -43,7 +43,7 @@ class PhysicsBase(CommandedBase):
             body.cover(wheels.all, SCRUBBING_SURFACE)
 
     def begin(self, period: int) -> None:
-        """Start a period with the base's last command."""
+        """Start the motion of the control period number `period`, by the base's last command."""
         speed, turn_rate, _ = self._take_command()
         half = turn_rate / self._tread_scale * self._drive.tread_m / 2
         rims = np.where(self._right, speed + half, speed - half)

@@ -51,7 +51,7 @@ class PhysicsCar(CommandedBase):
         self._bend = 0.0
 
     def begin(self, period: int) -> None:
-        """Start a period with the car's last command."""
+        """Start the motion of the control period number `period`, by the car's last command."""
         speed, turn_rate, _ = self._take_command()
         if speed != 0.0:
             most = self._drive.steering_per_m_s * self._period

@@ -67,11 +67,11 @@ class PhysicsGripper(SimulatedGripper):
         return self._command > self._target + PRESSING_LEAD_M
 
     def begin(self, period: int) -> None:
-        """Start the period with the number `period`."""
+        """Start the control period with the number `period`."""
         self._now = period
 
     def act(self, share: float) -> None:
-        """Command the drive for the next part of a control period.
+        """Command the gripper's drive for the next part of a control period.
 
         Args:
             share: share of the period, 0 to 1, that will have passed at the end of this part.

@@ -42,8 +42,8 @@ class PlanarDrive(ABC):
 class RobotBody(ABC):
     """Links and joints of a robot in a physics engine, built from its URDF.
 
-    If the robot's file gives the base a tilt under load, the links are on a chassis with a suspension; see
-    `sprung`.
+    If the robot's file lets the base tilt under load, a suspension connects the base to a chassis with the
+    wheels; see `sprung`.
     """
 
     COUPLES_MIMICS: ClassVar[bool] = False
@@ -107,7 +107,7 @@ class RobotBody(ABC):
         """Return the engine's numbers of all links that move when a joint moves."""
 
     def planar_drive(self) -> PlanarDrive:
-        """Return the drive that pushes a holonomic base."""
+        """Return the drive that pushes a holonomic base in the floor's plane; called only for such a base."""
         raise NoPlanarDrive("this engine drives no holonomic base; allowed: the backends kinematic, mujoco")
 
     def sprung_masses(self) -> dict[str, float]:

@@ -93,7 +93,8 @@ class ContactReader:
 
         Args:
             held: engine's number of the held object; None: the hand is empty.
-            riding: engine's numbers of the bodies that lie on the robot.
+            riding: engine's numbers of the bodies that lie on the robot, whose contacts with links other than
+                the hand's are left out.
         """
         its = self._touching(held) if held is not None else ()
         asked = self._touching(self._body.id), its, held, riding

@@ -44,7 +44,9 @@ class WheelDrives:
         self._given = np.zeros(len(names))
 
     def give(self, rolled: FloatArray) -> None:
-        """Turn the wheels by angles (n,) in [rad], positive forwards, that the encoders do not count."""
+        """Turn the wheels by angles (n,) in [rad], positive forwards, without the encoders counting this
+        turn.
+        """
         self._given = self._given + rolled
         self._goal = self._goal + rolled
 

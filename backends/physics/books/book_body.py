@@ -34,9 +34,10 @@ class BookBody(ThingBody):
     def pieces(self) -> tuple[Piece, ...]:
         """Return the book's collision shapes, around its middle.
 
-        A book on a shelf is a box. Other books have cut edges opposite the spine: a box with a blunt wedge at
-        its end. Fingers hold the box, for which an engine finds flat contacts. A single convex hull would
-        often have one contact point, about which a gripped book would turn.
+        A book on a shelf is a box. Other books are a box that ends in a blunt wedge opposite the spine,
+        because their edges there are chamfered. Fingers hold the box, for which an engine finds flat
+        contacts. A single convex hull would often have one contact point, about which a gripped book would
+        turn.
         """
         depth, thickness, height = self.thing.size
         if self.thing.shelf is not None:

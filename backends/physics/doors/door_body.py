@@ -16,7 +16,9 @@ MAX_LOCK_PLAY = 1e-4  # of a locked joint, in [rad] or [m]
 
 
 class DoorBody(ThingBody):
-    """Front of a door on its hinge or slide, or handle fixed to the front, as a body of a physics engine."""
+    """Body of a physics engine for a part of a door or drawer: its front on a hinge or slide, or the handle
+    on the front.
+    """
 
     STICKS: ClassVar[Sticks | None] = None
 

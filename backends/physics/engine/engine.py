@@ -156,7 +156,7 @@ class Engine(ABC):
 
     @abstractmethod
     def show(self, body: int, picture: ByteArray) -> None:
-        """Replace the grey picture (h, w), 0 to 255, that textures the faces of a thing."""
+        """Replace the texture of a thing's faces by a grey picture (h, w), 0 to 255."""
 
     @abstractmethod
     def weigh(self, body: int, mass: float) -> None:
@@ -229,6 +229,6 @@ class Engine(ABC):
 
     @abstractmethod
     def set_state(self, state: object) -> None:
-        """Restore a state returned by `state` of this engine, or of one whose bodies were created in the same
-        order.
+        """Restore a state that was returned by `state` of this engine, or of another engine whose bodies were
+        created in the same order.
         """

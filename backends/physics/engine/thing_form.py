@@ -78,7 +78,10 @@ class Sticks(NamedTuple):
 
 
 class OnJoint(NamedTuple):
-    """Mounting of a body on a joint that is fixed in the world; bodies with the same label move together."""
+    """Mounting of a body on a joint that is fixed in the world, such as a door's hinge.
+
+    Bodies with the same label are rigidly connected.
+    """
 
     label: str
     joint: WorldJoint | None

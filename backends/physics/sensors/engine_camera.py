@@ -30,8 +30,8 @@ class EngineCamera(SimulatedCamera):
     """Base class of cameras whose pictures a physics engine renders.
 
     The picture of an ideal pinhole camera gets the lens, light and noise of the robot's file. `SceneCamera`
-    has another renderer: a result that perception reaches with both cameras does not come from a fault of one
-    renderer. Light comes from everywhere, and there are no shadows.
+    has another renderer: if perception gives the same result with both cameras, the result does not come from
+    a fault of one renderer. Light comes from everywhere, and there are no shadows.
     """
 
     def __init__(

@@ -112,7 +112,7 @@ class ThingBody:
         self.engine.show(self.id, self.first_picture())
 
     def keep(self) -> None:
-        """Update the body's mass to that of the thing, at the beginning of a period."""
+        """Set the body's mass to the present mass of its thing, at the beginning of a period."""
         if self.thing.mass != self._mass:
             self._mass = self.thing.mass
             self.engine.weigh(self.id, self._mass)

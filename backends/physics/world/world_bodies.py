@@ -155,7 +155,7 @@ class WorldBodies:
         return self._engine.moved()
 
     def pose(self, thing: Thing) -> Transform:
-        """Return the true world_T_thing (4, 4)."""
+        """Return the true pose world_T_thing (4, 4) of a thing."""
         return self._engine.pose(self.bodies[thing.name]) @ inverse(thing.thing_T_middle)
 
     def keep_time(self) -> None:

@@ -42,7 +42,9 @@ class HeldBase:
 
     @property
     def searches(self) -> bool:
-        """True after the scans contradicted the wheels, until a scan matches the map again."""
+        """True while the pose is searched, after the scans contradicted the wheels and until a scan matches
+        the map again.
+        """
         return self._searched > 0
 
     @property

@@ -73,7 +73,7 @@ class Lidar(RangeSensor):
 
     @property
     def blind_share(self) -> float:
-        """Share of this period's beams, without masked ones, that are too close or invalid."""
+        """Share (0 to 1) of this period's beams, except masked beams, that are too close or invalid."""
         scan = self.scan()
         if self._blind is None or self._blind[0] is not scan:
             self._blind = scan, self._blind_share(scan)
@@ -115,7 +115,9 @@ class Lidar(RangeSensor):
 
 
 def beams_of(lidar: Lidar) -> ScanBeams:
-    """Return this period's scan as beams in the base frame; ranges of blind beams are NaN."""
+    """Return this period's scan as beams in the base frame; ranges are NaN for beams that show neither an
+    obstacle nor free ground.
+    """
     return lidar.beams()
 
 

@@ -110,7 +110,7 @@ class Localization(ABC):
 
     @property
     def displacement(self) -> Belief | None:
-        """Motion of the base since `set_origin`; None if only two estimated poses could be subtracted.
+        """Motion of the base since `set_origin`; None if it is known only as a difference of poses.
 
         Mean (3,) and covariance (3, 3): ahead and to the left in [m], turn to the left in [rad].
         """
@@ -273,8 +273,8 @@ class Localization(ABC):
         self._wheels.surface_error, self.still = DRAWN_SURFACE_M, 0
 
     def measure_displacement(self, displacement: Pose2, covariance: FloatArray) -> None:
-        """Correct the pose at rest by a measured origin_T_base since `set_origin`, with a covariance (3, 3)
-        of x, y in the origin's frame in [m] and heading in [rad]; scans then only detect pushes.
+        """Correct the resting base's pose by a measured motion since `set_origin` (origin_T_base), with
+        covariance (3, 3) of x, y [m] and heading [rad]; scans then only detect pushes.
         """
         self._wheels.odometry.measure_displacement(displacement, covariance)
         self.still = STILL_SCANS + 1

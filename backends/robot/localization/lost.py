@@ -37,6 +37,8 @@ def lost_by_stale_lidar(seconds: float) -> Lost | None:
 
 
 def lifted_by(share: float) -> Lost:
-    """Return the reason "lifted" for an unknown pose, given the share of beams that changed at once."""
+    """Return the reason "lifted" for an unknown pose; `share` (0 to 1) of the beams changed from scan to
+    scan.
+    """
     what = "share of beams that changed at once"
     return Lost(LIFTED_REASON, "RangeSensor", what, share, MAX_CHANGED_SHARE)

@@ -14,7 +14,9 @@ from .crowd import Crowd
 
 
 def completed(state: object) -> object:
-    """Add the parts that checkpoints of older versions lack to the state of a localization."""
+    """Return the state of a localization, completed by default values of the parts that older versions did
+    not save.
+    """
     if not isinstance(state, dict):
         return state
     found = {"crowd": attributes(Crowd(), Crowd.STATE), **state}

@@ -72,7 +72,7 @@ class OutdoorLocalization(Localization):
 
     @property
     def odometry_pose(self) -> Pose2:
-        """2D pose of the base by wheels and gyros, without jumps, in a frame of its own."""
+        """2D pose of the base by wheels and gyros alone; it never jumps, and its frame is not the map's."""
         if self._rolled_to is None:
             self._rolled_to = self._filter.odometry.pose
         return self._rolled_to
@@ -130,8 +130,8 @@ class OutdoorLocalization(Localization):
     def lost(self) -> Lost | None:
         """Reason why the pose is unknown; None while it is known.
 
-        It is unknown if the wheels have rolled more than 0.15 m without a new reading of the gyros, because
-        wheels alone do not measure the heading well.
+        The pose is unknown if the wheels have rolled more than 0.15 m without a new reading of the gyros,
+        because wheels alone do not measure the heading well.
         """
         rolled = self.travel.away(self._felt_at)
         if rolled <= MAX_TRAVEL_WITHOUT_GYRO_M:

@@ -36,7 +36,9 @@ def repeatability_of(covariance: FloatArray, map_error: FloatArray) -> FloatArra
 
 
 def remove_part(covariance: FloatArray, part: FloatArray) -> FloatArray:
-    """Subtract a part from a covariance (3, 3), and return the rest with negative variances set to zero.
+    """Subtract an error's covariance from a covariance (3, 3) that contains the error, and return the rest.
+
+    Negative variances of the rest are set to zero.
 
     Args:
         covariance: (3, 3) covariance of x, y in [m], in any frame, and heading in [rad].

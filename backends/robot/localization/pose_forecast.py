@@ -30,7 +30,9 @@ MIN_RANGE_SIGMA_M = 0.01
 
 
 class PoseForecast(NamedTuple):
-    """Expected accuracy of the pose at a place, after the robot has driven there."""
+    """Expected accuracy of the pose at a place, after the robot has driven there, for a check before the
+    drive.
+    """
 
     found: Undetermined | None
     """The direction in which the pose will not be determined as exactly as the place needs it; None if it

@@ -56,7 +56,7 @@ class TopicMeter:
         self._frames: dict[str, None] = {}
 
     def heard(self, message: Any) -> None:
-        """Count a message, and note its time of arrival, stamp and frame."""
+        """Count a message of the topic, and record the time of its arrival, its stamp and its frame."""
         self.last = message
         self._arrivals.append(self._clock())
         frames = getattr(message, "transforms", None)

@@ -78,10 +78,10 @@ class BenchFaults:
         self._planned = (*self._planned, fault)
 
     def is_due(self, kind: str, name: str, now_s: float) -> bool:
-        """Return whether a fault is present now.
+        """Return True if a planned fault of a topic or action has begun.
 
         Args:
-            kind: one of `FAULT_KINDS`.
+            kind: kind of the fault, one of `FAULT_KINDS`.
             name: name of the topic or action.
             now_s: time of the bench, in [s].
         """

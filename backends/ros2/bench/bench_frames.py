@@ -24,8 +24,8 @@ FRAMES, STATIC_TOPIC, TOPIC = "tf2_msgs/TFMessage", "tf_static", "tf"
 class BenchFrames:
     """Publisher of a simulated robot's frames on `tf_static` and `tf`.
 
-    The frames of fixed sensors are published once, those of base and cameras in each period if a node
-    listens.
+    The frames of fixed sensors are published once. The frames of the base and of cameras are published in
+    each period in which a node subscribes to `tf`.
     """
 
     def __init__(self, robot: RobotFile, spec: RosSpec, inner: Backend, link: Link) -> None:

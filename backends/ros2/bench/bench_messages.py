@@ -168,16 +168,17 @@ def depth_messages(
     frame: str = "camera",
     factor: float = 1.0,
 ) -> tuple[Any, Any]:
-    """Return depth and colours of a simulated depth camera, each as an `Image`.
+    """Return the depth and the colour picture of a simulated depth camera, each as a message
+    `sensor_msgs/Image`.
 
     Args:
         link: connection to the topics, which creates the messages.
         now: time of ROS, in [s].
         camera: takes the pictures.
-        late: True to render the pictures only if they are read, which has to happen before the robot's next
-            step.
+        late: True to render the pictures only when the messages' data are read, which has to happen before
+            the robot's next step.
         frame: name of the camera's frame.
-        factor: factor of the depths.
+        factor: factor by which the depths are multiplied, to simulate a difference from the robot's file.
     """
     model, times = camera.model, np.float32(factor)
     depth = _picture(link, now, model, ("32FC1", 4), lambda: camera.image().depth * times, late)

@@ -79,7 +79,7 @@ def new_goal(kind: str) -> Any:
 
 
 def new_result(kind: str) -> Any:
-    """Return an empty result of an action."""
+    """Return an empty result message of an action, such as one of `control_msgs/GripperCommand`."""
     if kind.endswith("GripperCommand"):
         return SimpleNamespace(position=0.0, effort=0.0, stalled=False, reached_goal=False)
     return SimpleNamespace(error_code=0, error_string="")

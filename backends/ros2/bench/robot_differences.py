@@ -74,11 +74,13 @@ class RobotDifferences:
         return cls(found)
 
     def factor(self, name: str) -> float:
-        """Return the factor by which the simulated robot scales a quantity; 1 if no difference is planned."""
+        """Return the factor by which the simulated robot multiplies a quantity; 1 if it does not differ from
+        the robot's file.
+        """
         return self._factors.get(name, 1.0)
 
     def state_factor(self, joint: str) -> float:
-        """Return the factor by which the simulated robot scales a joint's published position."""
+        """Return the factor by which the simulated robot scales the position of a joint that it publishes."""
         return self.factor(joint) * self.factor(STATE_PREFIX + joint)
 
     def timeout(self, usual: float) -> float:

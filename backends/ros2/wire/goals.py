@@ -36,7 +36,9 @@ class SentGoal(Protocol):
     result: Any
 
     def cancel(self) -> None:
-        """Ask the server to cancel the goal; if it is not accepted yet, ask as soon as it is."""
+        """Ask the server to cancel the goal; if the server has not accepted the goal yet, ask when it accepts
+        it.
+        """
 
 
 class GoalSender(Protocol):

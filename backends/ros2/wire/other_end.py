@@ -25,7 +25,9 @@ class OtherEnd(Protocol):
         """Simulated robot that the simulated drivers control; None without one."""
 
     def wait(self, seconds: float) -> None:
-        """Advance the drivers' time by `seconds` [s], before the first step."""
+        """Advance the simulated drivers' time by `seconds` [s] while the program waits, before its first
+        step.
+        """
 
     def step(self) -> None:
         """Simulate one control period."""

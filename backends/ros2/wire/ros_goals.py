@@ -32,7 +32,7 @@ Came = Callable[[], None]
 
 
 class RosGoalSender(GoalSender):
-    """Client of a ROS action, which sends goals; answers are received when the node is spun."""
+    """Client of a ROS action, which sends goals; answers are received while rclpy spins the node."""
 
     def __init__(self, node: Any, kind: str, name: str, came: Came) -> None:
         """Connect to the servers of an action.

@@ -104,10 +104,11 @@ class Link(Protocol):
 
 
 class RosLink(Link):
-    """Connection to ROS by a node of rclpy in a context of its own; the control loop executes its callbacks.
+    """Connection to ROS by a node of rclpy, in its own rclpy context; the control loop executes the
+    callbacks.
 
     Subscriptions receive messages of reliable and of best-effort publishers. They request no deadlines and no
-    liveliness, because they would then receive nothing from drivers with default settings.
+    liveliness, because with these they would receive nothing from drivers with default settings.
     """
 
     def __init__(self, name: str, namespace: str = "", domain: int | None = None) -> None:

@@ -23,7 +23,8 @@ class BlockSpec(PlacedSpec):
 class Block(PlacedThing):
     """A simulated block and its true pose.
 
-    The block's frame has its origin in the middle of the foot; x along its length, y along its width, z up.
+    The block's frame has its origin in the middle of the underside; x along its length, y along its width, z
+    up.
     """
 
     KIND = "block"

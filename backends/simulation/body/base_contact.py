@@ -39,7 +39,7 @@ def move_base(scene: Scene, motion: Pose2, hand: SimulatedHand | None) -> frozen
 
 
 def touching_passers(scene: Scene) -> frozenset[tuple[str, str]]:
-    """Return the pairs ("base", name) of the base and the passers that touch it."""
+    """Return a pair ("base", name) for each passer (a person or cart that walks by) that touches the base."""
     if not scene.passers:
         return frozenset()
     touched = scene.passers.touched(scene.base, scene.robot.footprint_shape)

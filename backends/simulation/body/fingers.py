@@ -16,9 +16,9 @@ _LETS_GO = 0.001  # opening beyond a thing's thickness at which it is free
 class Fingers:
     """Motion of simulated fingers that grip and release things, without dynamics.
 
-    A thing between closing pads is pushed by the pad that touches it first. Then it stops both pads and
-    aligns with them, as the thing's domain defines (`Props`). It is released when the pads open by 1 mm more
-    than its thickness. A domain's rule (`HandRule`) can limit how far the pads can open.
+    A thing between closing pads is first pushed by the pad that touches it first. Between both pads, it stops
+    them and aligns with them, as the thing's domain defines (`Props`). It is released when the pads open by 1
+    mm more than its thickness. A domain's rule (`HandRule`) can limit how far the pads can open.
     """
 
     def __init__(self, hand: SimulatedHand) -> None:

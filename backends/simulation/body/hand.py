@@ -26,9 +26,10 @@ class SimulatedHand:
     """Quasi-static motion of a simulated arm among solid things.
 
     The arm stops at the posture where a contact begins. The force on the hand (`scene.hand_force`) grows by 2
-    N for each millimetre that the command goes further, up to 60 N, where the drives yield. If the hand
-    presses on a surface and is commanded along it, it slides with friction; if another part of the arm
-    touches something, the arm stops. A `HandRule` of a domain decides which bodies give way instead.
+    N for each millimetre by which the commanded hand position is behind the contact, up to 60 N, at which the
+    drives yield. If the hand presses on a surface and is commanded along it, it slides with friction; if
+    another part of the arm touches something, the arm stops. A `HandRule` of a domain decides which bodies
+    give way instead.
     """
 
     def __init__(self, scene: Scene, arm: ArmModel) -> None:

@@ -20,8 +20,8 @@ MIN_DEPTH_M = 1e-9  # [m]
 class RigidBody(NamedTuple):
     """A body's geometry for collision checks, in two libraries.
 
-    FCL decides whether two bodies touch, and coal measures how deep they overlap. Planners use coal; as FCL
-    decides here, a fault of coal cannot hide a collision of a planned motion.
+    FCL decides whether two bodies touch, and coal measures how deep they overlap. Planners use coal. Because
+    FCL decides in the simulation, a fault of coal cannot hide a collision of a planned motion.
     """
 
     judging: object

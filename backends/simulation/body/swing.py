@@ -32,7 +32,7 @@ def swing_yaw(errors: Errors, seed: int, motion: int) -> float:
     Args:
         errors: errors of the robot's file.
         seed: seed of the errors.
-        motion: number of the arm's motion that was a swing.
+        motion: number of the arm's motion, which selects the random number.
     """
     spread = keyed(seed, "swing yaw", motion).standard_normal()
     return float(errors.swing_yaw_mrad + errors.swing_yaw_sigma_mrad * spread) / 1e3

@@ -20,9 +20,10 @@ def lean_in_row(
     """Return the pose (4, 4) in the shelf frame S of a book after the fingers released it; None if it falls
     flat.
 
-    A book keeps the angle `wish` at which the fingers leave it, unless its centre is beyond its lower edge:
-    then it tips further. In both cases it stops at a neighbour: its upper edge meets a higher neighbour, or
-    it leans on the edge of a lower one. Neighbours do not move, and friction keeps the foot in place.
+    A book keeps the angle `wish` at which the fingers leave it, unless its centre of mass is beyond the lower
+    edge on which it stands. In that case it tips further. In both cases the book stops at a neighbour: its
+    upper edge meets a higher neighbour, or it leans on the edge of a lower one. Neighbours do not move, and
+    friction keeps the foot in place.
 
     Args:
         book: released book.

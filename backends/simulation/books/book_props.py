@@ -99,7 +99,8 @@ class BookProps(BooksThere):
     def gripped(self, thing: Thing, pads: Pads) -> Transform:
         """Return the pose hand_T_thing (4, 4) that a book takes when the pads close on it.
 
-        It is centred between the pads and aligned with the hand; its x and z in the hand frame do not change.
+        The book is centred between the pads and aligned with the hand; its x and z in the hand frame do not
+        change.
         """
         before = inverse(pads.world_T_hand) @ thing.pose
         pitch = float(np.arctan2(-before[2, 0], before[0, 0]))

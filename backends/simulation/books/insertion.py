@@ -50,7 +50,9 @@ def entry_chance(error: float, clearance: float) -> float:
 
 
 class Entrance:
-    """Detector of a held book that enters or leaves a slot; the success of an entry is drawn once."""
+    """Model of how a held book enters and leaves a slot; whether it enters or jams is drawn at random, once
+    for each try.
+    """
 
     def __init__(self, seed: int) -> None:
         self._seed = seed

@@ -237,7 +237,7 @@ def _part(canvas: Canvas, book: SimulatedBook, span: tuple[float, float], light:
 
 @lru_cache(maxsize=512)
 def spine_levels(spec: BookSpec) -> list[tuple[ByteArray, float]]:
-    """Return grey pictures (h, w) of a book's spine, each of half the resolution of the one before.
+    """Return grey pictures (h, w) of a book's spine, each of half the resolution of the previous picture.
 
     Each picture is followed by the size of its pixels, in [m].
     """

@@ -21,7 +21,9 @@ class Person:
         self._books, self._start = books, books.scene.base
 
     def step(self) -> None:
-        """Advance by one period: hand over the next book if the robot has waited for 1 s."""
+        """Advance by one period: hand over the next book if the robot has been ready to receive it for 1
+        s.
+        """
         books, scene, waits = self._books, self._books.scene, self._books.waits
         if not books.to_come or not scene.robot.has_tray:
             return

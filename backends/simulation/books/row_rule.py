@@ -106,7 +106,8 @@ class RowRule(HandRule):
         return Met(joints) if self._front is None else self._stop_at_row(self._front, start, joints)
 
     def carry(self, thing: Thing, world_T_hand: Transform, start: FloatArray) -> FloatArray:
-        """Align a held book with the slot that it is in.
+        """Turn and shift a held book in the hand, so that it is parallel to the slot that it is in and within
+        the slot's width.
 
         Args:
             thing: the held object.
@@ -167,7 +168,8 @@ class RowRule(HandRule):
         return slot
 
     def front(self, joints: FloatArray) -> Front | None:
-        """Return the shelf in front of the hand, with its row; None if the hand does not point into a shelf.
+        """Return the shelf in front of the hand, with its row; None if the hand is not close to a shelf and
+        directed at it.
 
         Args:
             joints: (n,) posture of the arm, in [rad] or [m].

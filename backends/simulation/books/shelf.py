@@ -105,8 +105,8 @@ class SimulatedShelf:
         """Return the intervals that side panels, book end and objects occupy in the row of books.
 
         Returns:
-            (right, left, front) of each: y of its right and left side and x of its front in the frame S,
-            in [m].
+            (right, left, front) of each interval: y of its right and left end, and x of its object's front,
+            in the shelf frame S, in [m].
         """
         half = self.half_width
         walls = [(half, half + PANEL_THICKNESS_M, 0.0), (-half - PANEL_THICKNESS_M, -half, 0.0)]
