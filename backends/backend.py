@@ -39,7 +39,7 @@ class NotMovable(InputError):
 
 
 class NoWindow(InputError):
-    """Error: a window was requested from a backend without one."""
+    """Error: a window was requested from a backend that has none, or no display is available."""
 
 
 class Backend(ABC):
@@ -124,10 +124,10 @@ class Backend(ABC):
 
     @classmethod
     def kinds(cls, robot: RobotFile) -> tuple[type[Capability], ...] | None:
-        """Return the robot's capabilities by its file alone: nothing is opened, and no robot is contacted.
+        """Return the capabilities of a robot by its file alone, without connecting to the robot.
 
-        None if the capabilities are known only after the backend was built; then `handcart check` builds it.
-        A backend that contacts a real robot when it is built must return its capabilities.
+        None if the capabilities are known only after the backend was built; `handcart check` then builds the
+        backend. A backend that connects to a real robot when it is built must not return None.
 
         Raises:
             InputError: the backend cannot build the robot that the file describes.
@@ -170,7 +170,7 @@ class Backend(ABC):
 
     @abstractmethod
     def stop(self) -> None:
-        """Stop all motion; arm and gripper hold. No command from before the stop moves the robot after it."""
+        """Stop the base and hold arm and gripper; commands that were given before the stop are dropped."""
 
     @abstractmethod
     def close(self) -> None:

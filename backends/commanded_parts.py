@@ -13,7 +13,9 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class CommandedArm(Arm):
-    """Base class of arms that check a command against the joints' limits and keep it until the next step."""
+    """Base class of arms that store the commanded joint positions until the next step, after a check against
+    the limits.
+    """
 
     _model: ArmModel
     _most: FloatArray

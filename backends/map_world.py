@@ -21,8 +21,8 @@ def as_world_file(path: Path, start: Pose2) -> Iterator[Path]:
     """Yield the path of a world's file, which is created temporarily if `path` is a map.
 
     The temporary world contains all occupied cells of the map, and the robot at `start` (world_T_base); its
-    file is deleted at the end of the context. This function is for backends that read files themselves; see
-    `Backend.read_world`.
+    file is deleted at the end of the context. Backends that read world files themselves use this function;
+    see `Backend.read_world`.
 
     Raises:
         FileError: the file, or the picture of a map, cannot be read.

@@ -9,7 +9,9 @@ from typing import ClassVar, NamedTuple
 
 
 class Reading(NamedTuple):
-    """Declaration of a capability's method that reads a sensor, for recording and for injected faults."""
+    """Description of a capability's method that reads a sensor, for recording its readings and simulating
+    faults.
+    """
 
     sensor: str
     """Name of the sensor in faults; two methods may belong to one sensor."""

@@ -33,4 +33,6 @@ class Gripper(Capability):
 
     @abstractmethod
     def closed_on_something(self) -> bool:
-        """Return True if the fingers press on an object or on each other, as measured by motor current."""
+        """Return True if the fingers press on an object or on each other, by the gripper's own measurements,
+        such as motor current.
+        """

@@ -20,7 +20,9 @@ EDGE_M = 0.06  # from the middle of a handle to the edge of its door
 
 
 class DoorTag(FileModel):
-    """A square tag on the front of a door, beside its handle."""
+    """A square tag on the front of a door or drawer, next to the handle, and its position relative to the
+    handle.
+    """
 
     family: TagFamily = "apriltag_36h11"
     id: Annotated[int, Field(ge=0)]
@@ -79,7 +81,9 @@ class DoorHandle(FileModel):
 
     @property
     def pose(self) -> Transform:
-        """Pose map_T_handle (4, 4) while the door is closed: x away from the door, z up."""
+        """Pose map_T_handle (4, 4) of the handle while the door is closed; its x axis points away from the
+        door, z up.
+        """
         return transform((self.x_m, self.y_m, self.height_m), (0.0, 0.0, math.radians(self.heading_deg)))
 
     @property
@@ -127,7 +131,7 @@ class DoorShape(FileModel):
 
     @property
     def travel(self) -> float:
-        """Opening of the door at its stop, in [rad], or of a drawer in [m]."""
+        """Largest opening of the door in [rad], or of a drawer in [m], at which it meets its stop."""
         return math.radians(self.travel_deg) if self.is_hinged else self.travel_mm / 1e3
 
     @property

@@ -54,7 +54,9 @@ class GroundSpec(FileModel):
 
 
 class GpsSpec(MountedSensorSpec):
-    """Description of a satellite receiver and the errors of its fixes; its URDF frame is the antenna's."""
+    """Description of a satellite receiver and the errors of its fixes; its frame in the URDF is at the
+    antenna.
+    """
 
     kind: Literal["gps"] = "gps"
 

@@ -19,7 +19,7 @@ SHIPPED_FOLDER = Path(__file__).parent.parent / "robots"
 
 
 def named_robots() -> dict[str, Path]:
-    """Return the files of all robots that can be given by name, by name in alphabetical order.
+    """Return the paths of the files of all robots that have a name, by name in alphabetical order.
 
     A shipped robot is named ROBOT, a variant of it ROBOT/VARIANT. Robots of another package are named
     OWNER/ROBOT and OWNER/ROBOT/VARIANT. No package can replace a shipped name.

@@ -26,7 +26,7 @@ class OdometrySpec(FileModel):
     """Standard deviations (sigmas) of the wheel odometry's errors, as the localizer assumes them.
 
     The true errors of simulated wheels are in the section `errors`. The defaults are for uncalibrated wheels.
-    If only the wheels determine the pose, the accuracy of its covariance depends on these values.
+    If only the wheels determine the pose, the pose's covariance is only as good as these values.
     """
 
     wheel_radius_percent: Positive = 2.0

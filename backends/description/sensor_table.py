@@ -119,9 +119,9 @@ class SensorTable(FileModel):
         return super().model_copy(update={"sensors": left})
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Return a copy with the values of `update`.
+        """Return a copy in which the attributes named in `update` have new values.
 
-        An older key in `update`, such as `camera`, replaces the first sensor of its kind.
+        An older key in `update`, such as `camera`, replaces the first sensor of that kind.
         """
         given = dict(update or {})
         old = {key: given.pop(key) for key in OLD_KEYS if key in given}

@@ -34,7 +34,8 @@ class MujocoBackend(PhysicsBackend):
     A resumed run continues exactly like one that was not stopped, to the last bit.
 
     Differences from hardware: links are rigid; contacts yield by hundredths of a millimetre; a floor is flat;
-    friction is Coulomb's, with one coefficient for two touching bodies; light has no shadows.
+    friction is Coulomb's, with a single coefficient for each pair of touching bodies; camera pictures have no
+    shadows.
     """
 
     name = "mujoco"

@@ -297,8 +297,8 @@ class BulletEngine(Engine):
     def set_state(self, state: object) -> None:
         """Restore a state that `state` returned for an engine whose bodies were created in the same order.
 
-        Bullet does not restore contacts with a body of several shapes exactly. A run in which a body rests on
-        such a body may then differ from the original run in the last digits.
+        Bullet does not restore contacts with a body of several shapes exactly. If a body rests on a body of
+        several shapes, a restored run may differ from the original run in the last digits.
         """
         if not isinstance(state, dict) or state.keys() != {"bullet", "signature", "pinned"}:
             raise NotAState("no state of this engine; needed: bullet, signature, pinned")

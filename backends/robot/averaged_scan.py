@@ -34,9 +34,9 @@ class AveragedScan:
         self._began = Pose2(0.0, 0.0, 0.0)
 
     def take(self, scan: Scan) -> Scan:
-        """Add a scan to the average, and return it with averaged ranges (n,), in [m].
+        """Add a scan to the running average, and return the scan with averaged ranges (n,), in [m].
 
-        A scan that is passed several times is added once. A range far from its average is not averaged.
+        The same scan is added only once. A range that is far from its beam's average is not averaged.
         """
         pose = self._pose()
         apart = pose.distance(self._began) > SAME_POSE_M or pose.turn(self._began) > SAME_POSE_RAD

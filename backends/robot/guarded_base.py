@@ -221,10 +221,12 @@ class GuardedBase(HolonomicBase):
         return self._felt
 
     def taken(self) -> tuple[DriveCommand, HoldingObstacle | None]:
-        """Return the command that was sent to the base in this period, and reset it to zero.
+        """Return the command that was sent to the base in this period, and start the next period with zero
+        speed.
 
         Returns:
-            The command, zero if none was sent; and the obstacle because of which it was slowed down, or None.
+            The command, which is zero if none was sent; and the obstacle that made the base slower than
+            commanded, None without one.
         """
         taken = self._command, self._held
         self.share_for_people, self._share, self._people = self._share, 1.0, None

@@ -14,7 +14,7 @@ from .mounted_camera import MountedCamera
 class PlacedCamera(Camera):
     """Base class of cameras whose lens and mounting pose are known (`MountedCamera`).
 
-    Subclasses take the pictures.
+    A subclass adds the method that takes the pictures.
     """
 
     _known: MountedCamera

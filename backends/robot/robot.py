@@ -237,9 +237,7 @@ class Robot:
 
     @property
     def driven(self) -> tuple[float, float]:
-        """Forward speed in [m/s] and turn rate to the left in [rad/s] that were commanded in the last
-        period.
-        """
+        """Commanded speed ahead [m/s] and turn rate to the left [rad/s] of the last control period."""
         return self.command.speed, self.command.turn_rate
 
     @cached_property
@@ -271,7 +269,9 @@ class Robot:
         return self.without_hand(points) if self.spec.localizer in OUTDOOR_LOCALIZERS else points
 
     def without_hand(self, points: FloatArray) -> FloatArray:
-        """Return the part (m, 2) of `points` (n, 2) that is not on a lowered hand; in the base frame, [m]."""
+        """Return the points (m, 2) of `points` (n, 2) that are not on a lowered hand, in the base frame
+        [m].
+        """
         if self.spec.arm is None or self.backend.get(Arm) is None:  # type: ignore[type-abstract]
             return points
         hand = self.base_T("hand")[:3, 3]
@@ -341,7 +341,7 @@ class Robot:
 
     @property
     def seen(self) -> ByteArray | None:
-        """Last picture (height, width) that was taken, grey, 0 to 255; None before the first."""
+        """Picture (height, width) that the robot took last, grey, 0 to 255; None before the first."""
         return self._pictures.last
 
     def state(self) -> dict[str, Any]:
@@ -370,7 +370,7 @@ class Robot:
             set_attributes(self._unseen, self._unseen.STATE, state["driven"])
 
     def moved_by(self, who: object) -> bool:
-        """Record that `who` moves the robot now; False if others do as well, or several did a period ago."""
+        """Record that `who` moves the robot; False if several callers do so, in this period or the last."""
         self._movers.add(id(who))
         return len(self._movers) == 1 and len(self._moved) <= 1
 

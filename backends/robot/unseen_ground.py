@@ -63,7 +63,7 @@ class UnseenGround:
         return SensorView(mount.x, mount.y, start, -1.0 if spec.masked_deg else width)
 
     def starts_here(self) -> None:
-        """Begin a new action: forget where the base drove more than `DRIVEN_S` ago."""
+        """Begin a new action: forget the places where the base drove more than a minute ago (`DRIVEN_S`)."""
         since = self._clock() - DRIVEN_S
         self._driven = [spot for spot in self._driven if spot[2] >= since]
 

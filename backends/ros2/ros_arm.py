@@ -57,7 +57,8 @@ class RosArm(CommandedArm, ForceArm):
         the joint can reach the limit in one control period.
 
         Raises:
-            NotOnTheAir: a measured joint is further beyond its limits.
+            NotOnTheAir: a measured joint is so far beyond a limit that one period is too short to reach the
+                limit.
         """
         measured = self.joints()
         within = self._model.clipped(measured)

@@ -37,8 +37,8 @@ class RosBackend(Backend):
     match the file. A step sends the commands, waits for the end of the period, and reads what has arrived. A
     fault (a late loop, odometry that jumps, a second node that commands the base, controllers that are gone)
     stops the base and ends the step with a `RosFault`; every further step raises the same error. If a topic
-    falls silent, an access to its reading raises `StaleSensor`; if it is that of the odometry or the joints,
-    the robot is stopped at once.
+    falls silent, an access to its reading raises `StaleSensor`; if the silent topic is that of the odometry
+    or the joints, the robot is stopped at once.
 
     On a bench (`build_on_bench`) the drivers are simulated in this process, they move the robot of a
     simulated backend, and messages are passed on without rclpy: each step advances the simulation by one

@@ -146,7 +146,7 @@ class RosTopics:
         return {name: part for name, part in parts.items() if part is not None}
 
     def halt(self) -> None:
-        """Drop all commands; arm and gripper hold."""
+        """Drop all commands that have not been sent; arm and gripper hold their positions."""
         self.base.taken()
         for controller in self._controllers.values():
             controller.cancel()
@@ -291,7 +291,9 @@ class RosTopics:
 
 
 def check_joints(robot: RobotFile, spec: RosSpec) -> None:
-    """Raise `UnknownJoints` if a joint of the arm does not have one controller, or another joint has one."""
+    """Raise `UnknownJoints` unless each joint of the arm has exactly one controller, and no other joint has
+    any.
+    """
     wrong = [": ".join(["ros2", *map(str, key[:1]), words]) for key, words, _ in ros_faults(robot, spec)]
     if wrong:
         raise UnknownJoints(wrong)

@@ -8,7 +8,9 @@ from handcart.tasks import domain
 
 
 class Bodies:
-    """Table of the classes that represent things and props of all domains in a physics engine."""
+    """Table from classes of simulated objects to the classes that represent them in a physics engine, for all
+    domains.
+    """
 
     def __init__(self) -> None:
         """Collect the classes that all domains declare."""

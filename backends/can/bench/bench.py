@@ -64,7 +64,9 @@ class Bench:
 
     @property
     def line(self) -> CanLine:
-        """The drives' end of the bus: frames sent over it appear to come from a node on the bus."""
+        """End of the simulated bus on the drives' side; the program receives frames sent here as those of a
+        node.
+        """
         return self._drives.line
 
     def open(self) -> BenchBus:

@@ -65,7 +65,9 @@ class BenchBus(can.BusABC):
         self.held.clear()
 
     def flush_tx_buffer(self) -> None:
-        """Discard the frames that the interface holds back, as python-can defines it."""
+        """Discard the frames that the interface holds back; python-can calls this method
+        `flush_tx_buffer`.
+        """
         self.held.clear()
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:

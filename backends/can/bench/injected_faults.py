@@ -50,7 +50,7 @@ def inject(bench: Bench, name: str, at_s: float = 0.0, node: int | None = None) 
         bench: the bench.
         name: one of `INJECTED_FAULTS`.
         at_s: time of the bench at which the fault begins, in [s]; a past time: in the next period.
-        node: node ID of the drive; None: that of the first axis.
+        node: node ID of the faulty drive; None: the drive of the first axis.
 
     Raises:
         UnknownFault: the name is unknown.

@@ -63,7 +63,9 @@ class NoInterface(InputError):
 
 
 class ChannelTaken(InputError):
-    """Error: another robot or bench uses the channel, so that each would receive the other's commands."""
+    """Error: another robot or bench uses the channel, so that the robots would receive each other's
+    commands.
+    """
 
     def __init__(self, interface: str, channel: str, by: str, hint: str) -> None:
         super().__init__(f"{interface} {channel} is in use by {by}; {hint}")

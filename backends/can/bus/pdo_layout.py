@@ -58,11 +58,11 @@ _ANSWERS = (Pdo(1, (0x6041, 0x6064, 0x6061), ON_SYNC), Pdo(2, (0x606C, 0x6077, 0
 
 
 def layout(mode: int, left_out: Collection[int] = ()) -> Layout:
-    """Return the process data frames (PDOs) that a drive needs in a mode of operation.
+    """Return the PDOs that a drive needs in a mode of operation, with the objects in each.
 
     Args:
         mode: mode of operation (6060h).
-        left_out: indices of objects that the drive lacks; the PDOs of its answers do not contain them.
+        left_out: indices of objects that the drive lacks, and which are left out of its answers.
     """
     target = 0x607A if mode in (PROFILE_POSITION, CYCLIC_POSITION) else 0x60FF
     when = ON_SYNC if mode in (CYCLIC_POSITION, CYCLIC_VELOCITY) else AT_ONCE

@@ -18,7 +18,8 @@ def bus_load(spec: CanSpec, period: float) -> BusLoad:
 
 
 def cyclic_frames(spec: CanSpec, period: float) -> Iterator[CyclicFrame]:
-    """Yield each cyclic frame in the worst case: frames sent only on change count as sent every period.
+    """Yield each cyclic frame on the bus; a frame that is sent only on a change counts as sent in every
+    period.
 
     Args:
         spec: the section `can` of a robot's file.

@@ -42,8 +42,8 @@ def eds_findings(path: Path, axis: AxisSpec) -> tuple[list[Finding], list[str]]:
         axis: axis whose drive the file describes.
 
     Returns:
-        Faults, each at its place in the EDS file; and messages about functions that the drive lacks, unless
-        the robot's file accepts the lack by `without`.
+        Faults, each at its place in the EDS file; and messages about functions that the drive lacks, except
+        those that the robot's file accepts as missing by `without`.
     """
     try:
         dictionary = read_eds(path, axis.node)

@@ -95,7 +95,9 @@ class Axes(Mapping[str, Axis]):
             axis.send()
 
     def sync(self) -> None:
-        """End a period: send SYNC, and receive the answers that arrive within half a period."""
+        """End a control period: send SYNC, and receive the drives' answers that arrive within half a
+        period.
+        """
         self._line.drain()  # late frames belong to an earlier SYNC
         for axis in self.values():
             axis.ask()
@@ -104,7 +106,7 @@ class Axes(Mapping[str, Axis]):
         self._line.wait(lambda: all(axis.answered for axis in axes), _ANSWER_WITHIN * self._period)
 
     def check(self) -> None:
-        """Check all axes after a SYNC; raise `CanFault` if one is faulty."""
+        """Check all axes after a SYNC, each by an `AxisCheck`; raise `CanFault` if one is faulty."""
         for check in self._checks:
             check.check()
 
@@ -124,7 +126,7 @@ class Axes(Mapping[str, Axis]):
 
     @property
     def at_rest(self) -> bool:
-        """True if all axes have reported that they are at rest."""
+        """True if all drives have answered the last SYNC and report a velocity of about zero."""
         return all(axis.answered and axis.stands for axis in self.values())
 
     @property

@@ -239,7 +239,7 @@ class Axis(canopen.RemoteNode):
         self._send(State402.CW_QUICK_STOP, *self._standing())
 
     def disable(self) -> None:
-        """Disable the drive's torque, unless its stop in the robot's file is to hold."""
+        """Disable the drive's torque, unless the robot's file has `stop: hold` for this drive."""
         if self.spec.stop != HOLD_COMMAND:
             self._send(State402.CW_DISABLE_VOLTAGE, *self._standing())
 
@@ -255,7 +255,7 @@ class Axis(canopen.RemoteNode):
     # Its answers
 
     def ask(self) -> None:
-        """Prepare for a SYNC: answers that arrived before it no longer count."""
+        """Prepare for a SYNC: count only answers that arrive after it."""
         self._fresh.clear()
         self._asked += 1
 

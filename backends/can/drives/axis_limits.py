@@ -47,7 +47,9 @@ def rim_speed(robot: RobotFile) -> float:
 
 
 def rim_acceleration(robot: RobotFile) -> float:
-    """Return the acceleration of a wheel's rim at the base's largest accelerations together, in [m/s²]."""
+    """Return the acceleration of the outer wheel's rim, in [m/s²], at the base's largest acceleration ahead
+    and in turn.
+    """
     drive = robot.drive
     return drive.acceleration_m_s2 + math.radians(drive.turn_acceleration_deg_s2) * drive.tread_m / 2
 

@@ -44,7 +44,9 @@ def settings(axis: Axis, spec: CanSpec, period: float) -> list[ObjectValue]:
 
 
 def mapping(axis: Axis) -> Iterator[ObjectValue]:
-    """Yield the objects that configure an axis' PDOs (CiA 301), with the values that they must have."""
+    """Yield the drive's objects that configure an axis' PDOs (CiA 301), each with the value that it must
+    have.
+    """
     for first, mapped, pdos in (
         (0x1400, 0x1600, axis.layout.commands),
         (0x1800, 0x1A00, axis.layout.answers),

@@ -26,14 +26,16 @@ class AxisUnits:
         return (counts - self.zero) / self.scale
 
     def rate(self, value: float) -> int:
-        """Return a speed or acceleration, in [m] or [rad] per second (squared), as signed counts/s or
-        counts/s².
+        """Return a speed or acceleration in signed counts.
+
+        It is given in [m] or [rad] per s or s², and returned in counts per s or s².
         """
         return round(value * self.scale)
 
     def size(self, value: float) -> int:
-        """Return the absolute value of a speed or acceleration, in [m] or [rad] per second (squared), as
-        counts/s or counts/s².
+        """Return the absolute value of a speed or acceleration in counts.
+
+        It is given in [m] or [rad] per s or s², and returned in counts per s or s².
         """
         return abs(self.rate(value))
 

@@ -41,7 +41,7 @@ class ExpectedMotion:
 
         Args:
             target: speed of a wheel in [m/s], otherwise a position in [m] or [rad].
-            top: speed of the motion to a position, in [m/s] or [rad/s].
+            top: largest speed while the axis moves to a position, in [m/s] or [rad/s].
             period: control period, in [s].
         """
         before, rate = self.position, self.limits.acceleration

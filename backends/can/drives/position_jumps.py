@@ -65,7 +65,8 @@ class PositionJumps:
 
 
 def encoder_bits(jump: float, uncertainty: float) -> int | None:
-    """Return the number of bits b of an encoder that explains a position jump: by about 2^b counts, one wrap.
+    """Return the number of bits b of an encoder whose wrap explains a position jump, which is then about 2^b
+    counts.
 
     None if no number of bits from 8 to 31 explains the jump.
 

@@ -57,7 +57,10 @@ class DriveFaults:
         return self._astray
 
     def lost(self) -> bool:
-        """Return True if the next answer is lost; losses are evenly spread."""
+        """Return True if the drive's next answer is to be lost; called once for each answer.
+
+        The lost answers are evenly spread over all answers.
+        """
         self._dropped += self.drops
         if self._dropped < 1.0:
             return False

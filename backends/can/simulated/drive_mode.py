@@ -29,11 +29,11 @@ class Demand:
     """Below this position of the motor the negative limit switch is pressed, in [counts]."""
 
     def brake(self, rate: float, seconds: float) -> None:
-        """Advance the set-points while the drive brakes to rest.
+        """Advance the motor's set-points by `seconds`, at constant deceleration until they rest.
 
         Args:
             rate: deceleration, in [counts/s²].
-            seconds: duration, in [s].
+            seconds: duration of the advance, in [s].
         """
         way, self.velocity = ramp(self.velocity, 0.0, rate, seconds)
         self.position += way

@@ -95,7 +95,7 @@ class DriveNode(canopen.LocalNode):
         self._waiting: list[tuple[int, int, int]] = []
 
     def associate_network(self, network: canopen.Network) -> None:
-        """Join a network, and boot up."""
+        """Join a network with the simulated drive, and send its boot-up message."""
         super().associate_network(network)
         network.subscribe(0, self._on_nmt)
         for master in range(1, 128):
@@ -152,7 +152,9 @@ class DriveNode(canopen.LocalNode):
             self._take_all(values)
 
     def get_data(self, index: int, subindex: int, check_readable: bool = False) -> bytes:
-        """Return an object's data, as canopen's node does; abort if the EDS lacks index or sub-index."""
+        """Return an object's data, as canopen's node does; abort the SDO transfer if the EDS lacks index or
+        sub-index.
+        """
         self._check_there(index, subindex)
         return super().get_data(index, subindex, check_readable)
 
@@ -360,5 +362,5 @@ def _wrapped(counts: int, counted: PositionRange) -> int:
 
 
 def nmt_reset(node: int) -> bytes:
-    """Return the NMT command that resets a node."""
+    """Return the NMT message "reset node" to a node, as data of a CAN frame."""
     return struct.pack("BB", 129, node)

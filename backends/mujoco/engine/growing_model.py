@@ -28,9 +28,9 @@ class GrowingModel:
         self._tell, self._grown, self._stale = compiled, True, True
 
     def both(self) -> tuple[Any, Any]:
-        """Return MuJoCo's model and data, compiled if needed.
+        """Return MuJoCo's model and its data, both compiled if needed.
 
-        Poses in the data may be outdated; `links` updates them.
+        Poses of links in the data may be outdated; the method `links` updates them.
         """
         if self._grown or self._compiled is None:
             return self._compile()

@@ -38,7 +38,8 @@ TOUCH_CHECKS_PER_PERIOD = 4  # times at a period's end that what touches is look
 class MujocoEngine(Engine):
     """Physics engine MuJoCo with a world's bodies, numbered from 0, and a robot.
 
-    The drives are MuJoCo's: Python commands them once a period, and reads contacts and slip in between.
+    The drives are MuJoCo's: Python commands the drives once in a control period, and reads contacts and slip
+    several times in it.
     """
 
     CHUNK = math.inf

@@ -72,7 +72,7 @@ class Pins:
             data.eq_active[self._first : self._first + MAX_PIN_POINTS] = 0
 
     def close(self, model: Any, data: Any, wanted: Pinned, hand: int, other: int) -> None:
-        """Hold two of MuJoCo's bodies together at the points of `wanted`.
+        """Activate the pins, which hold the hand and a thing together at the points of `wanted`.
 
         Args:
             model: MuJoCo's model.

@@ -16,7 +16,9 @@ _FREE = 7  # coordinates of a body that moves as it will
 
 
 def saved(model: Any, data: Any) -> dict[str, Any]:
-    """Return MuJoCo's complete state for a checkpoint: integrated values, and which kinematic trees sleep."""
+    """Return MuJoCo's complete state for a checkpoint: all that its integration needs
+    (`mjSTATE_INTEGRATION`), and which kinematic trees sleep.
+    """
     kind = mujoco().mjtState.mjSTATE_INTEGRATION
     values = np.zeros(mujoco().mj_stateSize(model, kind))
     mujoco().mj_getState(model, data, values, kind)

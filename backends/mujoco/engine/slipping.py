@@ -38,12 +38,12 @@ class Slipping:
         """Rigid connection, slipping or not."""
 
     def hold(self, model: Any, data: Any, pinned: Pinned, hand: int, other: int) -> None:
-        """Fix two of MuJoCo's bodies to each other at points.
+        """Fix the hand and the held thing to each other at points.
 
         Args:
             model: MuJoCo's model.
             data: MuJoCo's data.
-            pinned: the points in the frames of both bodies, and the force that they bear.
+            pinned: the points in the frames of both bodies, and the largest force that a point bears.
             hand: MuJoCo's number of the hand's body.
             other: MuJoCo's number of the held thing's body.
         """

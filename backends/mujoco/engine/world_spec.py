@@ -199,7 +199,7 @@ class WorldSpec:
 
         Args:
             wheel: geometry of the wheel.
-            along_axle: friction along the axle as a share of that across the axle, 0 to 1.
+            along_axle: friction along the axle as a share (0 to 1) of the friction across the axle.
         """
         radius, _, half_width = wheel.size  # of one that bulges
         wheel.type, wheel.size = mujoco().mjtGeom.mjGEOM_CAPSULE, (radius, half_width, 0.0)

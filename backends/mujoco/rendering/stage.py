@@ -21,8 +21,8 @@ LAMP_HEIGHT = 6.0  # [m] above what it shines on, along its beam
 class PictureStage:
     """MuJoCo model of a scene for rendering only, with pictures and lamps.
 
-    Its bodies have the names of those in the physics engine's model, and take over their poses. Rendering
-    cannot change a run, because the engine's own model is not rendered.
+    Its bodies have the same names as the bodies in the physics engine's model, and are put at the same poses.
+    Rendering cannot change a run, because the engine's own model is not rendered.
     """
 
     def __init__(self, looks: Looks, robot: Sequence[PartLook], style: Style, engine_model: Any) -> None:

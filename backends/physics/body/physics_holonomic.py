@@ -80,6 +80,6 @@ class PhysicsHolonomicBase(CommandedHolonomicBase):
         """Do nothing, because the simulated encoders follow the commands exactly."""
 
     def rezero(self) -> None:
-        """Restart the wheels' travel at 0."""
+        """Set the travel that the wheels' encoders report back to 0."""
         self._travel = WheelTravel(0.0, 0.0)
         self.drives.rezero()

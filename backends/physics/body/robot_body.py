@@ -24,7 +24,9 @@ class NoPlanarDrive(InputError):
 
 
 class PlanarDrive(ABC):
-    """Drive of a physics engine that pushes and turns a base on the floor, in place of its wheels."""
+    """Drive of a physics engine that pushes and turns a base in the floor's plane; no wheels are
+    simulated.
+    """
 
     @abstractmethod
     def limit(self, force: float, torque: float) -> None:
@@ -96,7 +98,12 @@ class RobotBody(ABC):
 
     @abstractmethod
     def cover(self, links: Iterable[str], surface: ContactSurface) -> None:
-        """Set the contact surface of links."""
+        """Set friction and stiffness of the surface of some of the robot's links.
+
+        Args:
+            links: names of the links.
+            surface: contact properties of these links.
+        """
 
     @abstractmethod
     def mirror(self, joints: tuple[str, str]) -> None:

@@ -24,8 +24,8 @@ _PRINTS = 1.5  # spines nearer than this to the camera are printed [m]
 class BookBody(ThingBody):
     """Body of a book in a physics engine, a box with a printed spine.
 
-    A book that is not on a shelf has rounded edges. The print is drawn only while a camera is near. A book on
-    a shelf is not simulated (it sleeps) until something touches it.
+    A book that is not on a shelf has rounded edges. The printed spine is drawn only while a camera is near. A
+    book on a shelf is not simulated (it sleeps) until something touches it.
     """
 
     thing: SimulatedBook

@@ -192,7 +192,9 @@ class Engine(ABC):
         """Replace the current rigid connection by `wanted`; None: release it without a new one."""
 
     def pin_force(self) -> FloatArray:
-        """Return the force (3,) of the rigid connection on `Pinned.body`, in the world frame, in [N]."""
+        """Return the force (3,) that the rigid connection (`pinned`) exerts on its first body, in the world
+        frame, in [N].
+        """
         return np.zeros(3)
 
     # Bodies of the world

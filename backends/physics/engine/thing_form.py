@@ -89,7 +89,9 @@ class OnJoint(NamedTuple):
 
 
 class WorldJoint(NamedTuple):
-    """A hinge or a slide that is fixed in the world; its position is 0 at the body's initial pose."""
+    """A hinge or a slide that is fixed in the world; at the initial pose of the body that it carries, its
+    position is 0.
+    """
 
     slides: bool
     point: tuple[float, float, float]

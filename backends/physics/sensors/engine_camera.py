@@ -74,7 +74,8 @@ class EngineCamera(SimulatedCamera):
     def ideal(self, world_T_camera: Transform) -> ByteArray:
         """Return the grey picture (h, w) of a pinhole camera, before lens, light and noise.
 
-        It is larger than the camera's picture, so that it contains all rays that the lens will bend into it.
+        It is larger than the camera's picture, so that it contains all rays that the lens bends into the
+        camera's picture.
 
         Args:
             world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).

@@ -15,7 +15,7 @@ from .physics_site import physics_of
 class EngineDepthCamera(SimulatedDepthCamera):
     """Base class of depth cameras whose pictures a physics engine renders.
 
-    The pictures also show the robot's own arm and rough ground.
+    Unlike those of `SceneDepthCamera`, the pictures show the robot's own arm and rough ground.
     """
 
     @classmethod

@@ -59,7 +59,10 @@ class Terrain:
         return float(self.height(np.array(x), np.array(y)))
 
     def reach(self, x: float, y: float) -> list[tuple[int, int]]:
-        """Return the tiles around a position that do not exist yet, each as column and row; see `add`.
+        """Return the tiles of ground around a position that have not been created yet, each as column and
+        row.
+
+        The method `add` creates a tile.
 
         Args:
             x: x of the position in the world, in [m].

@@ -77,7 +77,9 @@ class ThingBody:
         return _picture(self.thing.faces(), self.thing.grey)
 
     def printed(self) -> ByteArray:
-        """Return the grey texture (h, w) of all faces for a near camera, laid out as `uvs` states."""
+        """Return the grey texture (h, w) of all faces for a near camera, laid out in the picture by the
+        coordinates that `uvs` returns.
+        """
         return self.first_picture()
 
     def portrait(self) -> ByteArray | None:

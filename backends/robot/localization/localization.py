@@ -265,8 +265,8 @@ class Localization(ABC):
         self.set_origin()
 
     def follow_map(self, field: LikelihoodField, pose: Pose2, covariance: FloatArray) -> None:
-        """Match scans with a new map that was drawn from scans; `pose` is on that map, as is its covariance
-        (3, 3) of x, y in [m] and heading in [rad].
+        """Match scans with a new map that was drawn from scans. `pose` is map_T_base on this map, with its
+        covariance (3, 3) of x, y in [m] and heading in [rad].
         """
         self.map_field = field
         self._wheels.change_map(field, pose, covariance)

@@ -28,11 +28,11 @@ LEAST_GYRO = math.radians(1e-4)  # [rad/√s]
 
 
 def field_noise(robot: RobotFile, antenna: tuple[float, float, float]) -> FieldNoise:
-    """Return the outdoor errors of wheels, gyros and satellite receiver in SI units.
+    """Return the outdoor errors of a robot's wheels, gyros and satellite receiver, in SI units.
 
     Args:
-        robot: robot file.
-        antenna: position of the antenna in the base frame, in [m].
+        robot: robot file, which states the errors.
+        antenna: position of the satellite receiver's antenna in the base frame, in [m].
     """
     ground, gps, imu = robot.ground, robot.gps, robot.imu
     noise = REFERENCE_NOISE._replace(

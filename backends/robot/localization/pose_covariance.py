@@ -25,8 +25,8 @@ def worst_sigmas(covariance: FloatArray) -> tuple[float, float]:
 def repeatability_of(covariance: FloatArray, map_error: FloatArray) -> FloatArray:
     """Return the covariance (3, 3) of a pose relative to another pose that scans measured at the same place.
 
-    It is in the frame and units of `covariance`, does not contain the map's error, which both poses share,
-    and is never below the noise of scan matching.
+    The result is in the frame and units of `covariance`. It does not contain the map's error, which both
+    poses share, and is never below the noise of scan matching.
 
     Args:
         covariance: (3, 3) covariance of the pose: x and y on the map in [m], heading in [rad].

@@ -72,7 +72,8 @@ def forecast_pose(
         need: required accuracy of the pose at the end.
         docks: True if the robot docks at the end by its own measurements, so that the size of the map's cells
             does not matter.
-        usual: accuracy that places usually need; `blind_m` is the length without it (default: `need`).
+        usual: accuracy that most places need; `blind_m` is the length of the route on which the pose is less
+            accurate (default: `need`).
     """
     localizer = ScanLocalizer(
         field,

@@ -28,8 +28,8 @@ MAX_COMMANDED_TRAVEL_M = 0.03
 class WheelLocalization(Localization):
     """Localization by the wheels; with a map and a lidar, scans of the base at rest correct it.
 
-    Scans show whether the base was moved while its wheels were at rest, and check its pose after each drive.
-    If no pose close to that of the wheels explains the scan, the base is lost.
+    Scans show whether the base was moved while its wheels were at rest, and check the pose by the wheels
+    after each drive. If no pose close to that of the wheels explains the scan, the base is lost.
 
     If the encoders' readings do not change while the base is commanded to drive, either the wheels or the
     encoders are stuck. The two cannot be distinguished, so the pose is unknown.

@@ -34,8 +34,8 @@ STATE_PREFIX = "state."
 class RobotDifferences:
     """Planned differences between a simulated robot and its file, to test that checks find them.
 
-    Most are factors of a quantity, such as -1 for a wrong sign, or 57.3 for degrees in place of radians; some
-    are times in [s].
+    Most differences are factors by which a quantity is multiplied, such as -1 for a wrong sign, or 57.3 for
+    degrees in place of radians; some are times in [s].
     """
 
     def __init__(self, factors: Mapping[str, float] | None = None) -> None:

@@ -132,7 +132,7 @@ class RosBench:
         self._publish()
 
     def state(self) -> dict[str, object]:
-        """Return the state of the drivers, without that of the robot."""
+        """Return the state of the drivers for a checkpoint, without the state of the simulated robot."""
         return {
             "drivers": attributes(self, self.STATE),
             "wheels": attributes(self._wheels, WheelOdometry.STATE),

@@ -28,7 +28,7 @@ class SentGoal(Protocol):
     """A goal that was sent, with the answers that have arrived.
 
     Attributes:
-        state: stage that it has reached.
+        state: stage that the goal has reached.
         result: result of the goal; None before its end.
     """
 
@@ -58,7 +58,7 @@ class GoalSender(Protocol):
 
 
 class ServedGoal(Protocol):
-    """Interface of an accepted goal, as the server of the action has it."""
+    """Interface of an accepted goal on the side of the action's server."""
 
     @property
     def request(self) -> Any:

@@ -19,9 +19,9 @@ StampClock = Callable[[], float]
 class TopicSensor(LiveSensor):
     """Base class of sensors whose readings are messages of a ROS topic, processed once a period.
 
-    A message is dropped if it comes from another frame, contains numbers that are not finite, or has a stamp
-    that is old, in the future, or not after the last stamp. If no valid message follows, the `StaleSensor`
-    error contains the reason.
+    A message is dropped if its coordinate frame is not the expected one, if it contains numbers that are not
+    finite, or if its stamp is old, in the future, or not after the last stamp. If no valid message follows,
+    the `StaleSensor` error contains the reason.
     """
 
     KIND: str

@@ -17,7 +17,7 @@ from .block import Block, BlockSpec
 
 
 class BlocksSection(FileModel):
-    """Keys of a world's file that are about blocks."""
+    """Section of a world's file that describes blocks."""
 
     blocks: tuple[BlockSpec, ...] = ()
 

@@ -28,7 +28,9 @@ _GIVES = 5e-3  # [rad] by which joints give together at most
 
 
 class CommandedBase(Base):
-    """Base class of simulated bases; a command is valid for the next period only."""
+    """Base class of simulated bases, which checks and stores the commanded speeds; a command is valid for the
+    next period only.
+    """
 
     STATE: ClassVar[Kinds] = {"_command": DriveCommand, "_travel": WheelTravel}
     """Attributes that a checkpoint keeps, with their types."""
@@ -57,7 +59,9 @@ class CommandedBase(Base):
 
 
 class CommandedHolonomicBase(CommandedBase, HolonomicBase):
-    """Base class of simulated bases that drive in any direction."""
+    """Base class of simulated bases that drive in any direction, which checks and stores the commanded
+    speeds.
+    """
 
     @override
     def drive(self, speed: float, turn_rate: float, sideways: float = 0.0) -> None:
@@ -222,7 +226,7 @@ class ArmError:
         self._of_hand = max(errors.hand_systematic_mm, errors.hand_repeat_mm, errors.hand_uniform_mm) > 0.0
 
     def offset(self, joints: FloatArray, motion: int) -> FloatArray:
-        """Return the true joints (n,) minus the joints that the encoders read, in [rad] or [m].
+        """Return the true joint positions (n,) minus the encoders' readings, in [rad] or [m].
 
         Args:
             joints: (n,) commanded joints, in [rad] or [m].

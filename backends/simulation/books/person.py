@@ -12,8 +12,8 @@ WAITING_TIME_S = 1.0  # [s] that the robot is there with an empty tray and hand 
 class Person:
     """Simulated person who puts the next book onto the robot's tray.
 
-    The person does so when the robot has been at rest near its initial pose, with tray and hand empty, for 1
-    s.
+    The person puts down a book when the robot has been at rest near its initial pose, with tray and hand
+    empty, for 1 s.
     """
 
     def __init__(self, books: BooksThere) -> None:

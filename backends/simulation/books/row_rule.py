@@ -137,7 +137,7 @@ class RowRule(HandRule):
         return np.asarray(world_T_hand[:3, :3].T @ shelf.pose[:3, :3] @ force)
 
     def room(self) -> float:
-        """Return the largest possible opening of the fingers, in [m]; infinity if nothing limits it.
+        """Return the largest possible opening of the fingers, in [m]; infinity if no object limits it.
 
         Books in the row limit the opening if the fingertips are between them.
         """
