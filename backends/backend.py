@@ -45,8 +45,8 @@ class NoWindow(InputError):
 class Backend(ABC):
     """Interface of a robot: a stub, a simulator, or hardware.
 
-    A backend returns raw readings as hardware would, with the hardware's errors; `Robot` computes
-    everything derived from them, the same for all backends. A context manager: leaving it closes the
+    A backend returns raw readings as hardware would, with the hardware's errors; `Robot` computes everything
+    derived from them, the same for all backends. It is a context manager; leaving the context closes the
     backend.
     """
 

@@ -19,7 +19,8 @@ class Arm(Capability):
 
     @abstractmethod
     def move(self, joints: FloatArray) -> None:
-        """Command the joints (n,) at the end of the next period, in [rad], or [m] for sliding ones.
+        """Command the joint positions (n,) for the end of the next period, in [rad], or [m] for sliding
+        joints.
 
         Raises:
             CommandError: a value is not finite, is beyond its limit, or needs more than the joint's top speed
@@ -38,8 +39,8 @@ class Arm(Capability):
     def hand_force(self) -> FloatArray:
         """Return the force of the surroundings on the hand or its object, (3,) in [N], in the hand frame.
 
-        It comes from a wrist sensor or from the joints' efforts; zero without either. The weight of
-        the arm is subtracted, that of a held object is not.
+        The force comes from a wrist sensor or from the joints' efforts; it is zero without either. The weight
+        of the arm is subtracted from it, the weight of a held object is not.
         """
 
 

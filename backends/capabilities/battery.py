@@ -9,7 +9,7 @@ from .capability import Capability, Reading
 
 
 class Battery(Capability):
-    """The battery that feeds the robot."""
+    """The robot's battery, whose charge is measured."""
 
     READINGS: ClassVar = {"charge_percent": Reading("battery")}
 

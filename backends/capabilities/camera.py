@@ -44,7 +44,8 @@ class Camera(AnyCamera):
     @property
     @abstractmethod
     def hand_T_camera(self) -> Transform:
-        """Pose (4, 4) of the optical frame (z forward, x right, y down) in the hand frame, as calibrated.
+        """Pose (4, 4) of the optical frame (z forward, x right, y down) in the hand frame, by calibration if
+        there is one.
 
         Raises:
             NotOnHand: the hand does not carry the camera.

@@ -51,7 +51,9 @@ class Drive(FileModel):
 
     @property
     def lateral_acceleration(self) -> float:
-        """Largest allowed lateral acceleration, the product of speed and turn rate, in [m/s²]."""
+        """Largest allowed lateral acceleration (speed times turn rate), in [m/s²], from the file or by
+        default.
+        """
         if self.lateral_acceleration_m_s2 is not None:
             return self.lateral_acceleration_m_s2
         return min(max(self.acceleration_m_s2, 1.0), 2.0)

@@ -81,7 +81,7 @@ class PrintedTag(FileModel):
     def on_box(self, size: tuple[float, float, float]) -> Transform:
         """Return the pose of the tag in the box frame, box_T_tag (4, 4).
 
-        Box frame: origin in the middle of the box's foot, axes along its sides. Tag frame: origin in the
+        Box frame: origin in the middle of the box's underside, axes along its sides. Tag frame: origin in the
         tag's middle, x right, y up, z out of the box.
 
         Args:

@@ -235,7 +235,8 @@ class RobotFile(SensorTable, OutlinedFile):
         return self._whole
 
     def urdf_text(self) -> str:
-        """Return the URDF of the whole robot: its parts put together, meshes named by absolute paths.
+        """Return the URDF of the complete robot, assembled from its parts; meshes are named by absolute
+        paths.
 
         Raises:
             UrdfError: a part is missing, or cannot be fixed onto the link that the robot's file names.
@@ -274,8 +275,8 @@ class RobotFile(SensorTable, OutlinedFile):
     def described_arm(self) -> ArmModel:
         """Kinematic model of the arm, shared by all callers, for reading shapes and limits only.
 
-        Code that sets joint values in a model has to create its own one by `arm_model`. Raises ValueError
-        without an arm.
+        Code that sets joint values in a model has to create a model of its own by `arm_model`. Raises
+        ValueError without an arm.
         """
         return self.arm_model()
 
@@ -315,7 +316,7 @@ class RobotFile(SensorTable, OutlinedFile):
 
     @cached_property
     def antenna(self) -> tuple[float, float, float]:
-        """Position of the satellite receiver's antenna in the base frame, in [m]; the origin without one."""
+        """Antenna of the satellite receiver in the base frame, in [m]; (0, 0, 0) without a receiver."""
         if self.gps is None:
             return (0.0, 0.0, 0.0)
         x, y, z = base_T_frame(self.urdf_text(), self.link_of(self.gps))[:3, 3].tolist()

@@ -31,7 +31,7 @@ def named_robots() -> dict[str, Path]:
 
 
 def robot_path(name: str) -> Path:
-    """Return the robot file for a name or for the path of a YAML file.
+    """Return the path of a robot's file, given the robot's name or the path itself.
 
     Raises:
         FileError: the text is not the path of a YAML file, and no robot has this name.

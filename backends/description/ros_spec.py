@@ -49,7 +49,7 @@ class RosOdometrySpec(RosTopicSpec):
 
 
 class RosGpsSpec(RosTopicSpec):
-    """ROS topic of a satellite receiver's fixes, and the task's origin on Earth."""
+    """ROS topic of a satellite receiver's fixes, and the point on Earth that is the origin of positions."""
 
     topic: Topic = "fix"
     stale_ms: StaleTime = 2000.0
@@ -107,7 +107,7 @@ DEFAULT_ARM_TOPIC = "arm_controller/joint_trajectory"
 
 
 class RosArmSpec(FileModel):
-    """Topics of the arm's controllers."""
+    """Topics and actions of the arm's controllers, as the section `ros2` of a robot's file states them."""
 
     controllers: dict[Topic, tuple[JointName, ...]] = Field(default_factory=dict)
     """Joints of each controller by its command topic, by the names of the robot's file (default: all joints

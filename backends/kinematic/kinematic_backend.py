@@ -38,14 +38,14 @@ class KinematicBackend(SimulatedBackend):
     - Contacts are quasi-static. The base has the outline of its footprint, and stops with slipping wheels
       when it meets something. The arm stops where a contact begins; the force grows by 2 N per mm of further
       command, up to 60 N. The hand, or the held thing, slides along a surface on which it presses, with a
-      coefficient of friction of 0.4.
-      Collisions of the arm with itself and with its base are not detected. The base also stops where the arm,
-      a part mounted above the base or a thing carried on it would hit something.
+      coefficient of friction of 0.4. Collisions of the arm with itself and with its base are not detected.
+      The base also stops where the arm, a part mounted above the base or a thing carried on it would hit
+      something.
     - A gripped thing is centred in the hand and fixed to it: it neither slips nor sags, but a person who
       pulls harder than the fingers' friction holds can tear it out.
-    - Rules of a thing's domain (`...simulation.world.props`) decide whether it gives way to the hand
-      and where it ends up when released; by default it stays on the support right below it. Without a
-      support it falls to the floor and is lost; nothing collides with it there.
+    - Rules of a thing's domain (`...simulation.world.props`) decide whether the thing gives way to the hand
+      and where it ends up when released; by default it stays on the support right below it. Without a support
+      it falls to the floor and is lost; nothing collides with it there.
     - Encoders have no bias. The camera is as in the robot's file, unless `errors` changes its mount or focal
       length.
     - Light has no shadows; the lidar ignores glass, mirrors and black lacquer.

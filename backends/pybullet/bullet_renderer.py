@@ -112,7 +112,8 @@ class BulletRenderer:
         return self.picture(view, projection, size), self.depth_buffer(view, projection, size)
 
     def depth_buffer(self, view: Transform, projection: Transform, size: tuple[int, int]) -> FloatArray:
-        """Return OpenGL's depths (h, w), without unit, from 0 at the nearest plane to 1 at the farthest one.
+        """Return the values (h, w) of OpenGL's depth buffer, from 0 at the nearest plane to 1 at the farthest
+        one.
 
         Args:
             view: (4, 4) camera_T_world in OpenGL's axes, in [m].

@@ -53,7 +53,8 @@ class MountedCamera(NamedTuple):
 
 
 def camera_mount(robot: RobotFile, link: str, arm: ArmModel | None) -> CameraMount:
-    """Return the mount of a camera at a link of the URDF: on the hand if no joint is between them.
+    """Return the mount of a camera at a link of the URDF; if no joint is between hand and link, it is on the
+    hand.
 
     Args:
         robot: robot file.
@@ -97,7 +98,9 @@ def camera_model(spec: CameraSpec) -> CameraModel:
 
 
 def stated_camera(spec: CameraSpec, mount: CameraMount) -> MountedCamera:
-    """Return the nominal camera, by the robot's file and its URDF, without its calibration."""
+    """Return a camera with the nominal intrinsics and mounting pose of the robot's file and URDF, not the
+    calibrated ones.
+    """
     return MountedCamera(camera_model(spec), mount.carrier_T_frame, mount.carrier)
 
 

@@ -269,9 +269,7 @@ class Robot:
         return self.without_hand(points) if self.spec.localizer in OUTDOOR_LOCALIZERS else points
 
     def without_hand(self, points: FloatArray) -> FloatArray:
-        """Return the points (m, 2) of `points` (n, 2) that are not on a lowered hand, in the base frame
-        [m].
-        """
+        """Return the `points` (n, 2) that are not on a lowered hand, (m, 2) in the base frame, in [m]."""
         if self.spec.arm is None or self.backend.get(Arm) is None:  # type: ignore[type-abstract]
             return points
         hand = self.base_T("hand")[:3, 3]

@@ -16,7 +16,7 @@ class JointController(Protocol):
     """Interface of a ROS controller that moves joints to commanded positions."""
 
     def send(self, names: Sequence[str], positions: Sequence[float], seconds: float) -> None:
-        """Command positions to the controller.
+        """Command joint positions to the controller.
 
         Args:
             names: names of the n joints in ROS.

@@ -31,8 +31,8 @@ def ros_findings(robot: RobotFile, document: Document) -> list[Finding]:
 def ros_faults(robot: RobotFile, spec: RosSpec) -> Iterator[tuple[KeyPath, str, bool]]:
     """Yield the faults of a section `ros2`.
 
-    Each is the key path below the section, the fault as text, and True if the key itself is wrong, False if
-    its value is.
+    Each fault consists of the key path below the section, a text, and True if the key itself is wrong, False
+    if its value is wrong.
     """
     yield from _joint_faults(robot, spec)
     if robot.gps is not None and spec.gps is None:

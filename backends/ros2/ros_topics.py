@@ -300,7 +300,7 @@ def check_joints(robot: RobotFile, spec: RosSpec) -> None:
 
 
 def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:
-    """Return the classes of a robot's capabilities over ROS, by the robot's file alone."""
+    """Return the classes of the capabilities that a robot has over ROS according to its file."""
     there: dict[type[Capability], object] = {
         HolonomicBase if robot.drive.kind == "holonomic" else Base: robot.drive,
         ForceArm: robot.arm,

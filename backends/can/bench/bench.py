@@ -70,7 +70,7 @@ class Bench:
         return self._drives.line
 
     def open(self) -> BenchBus:
-        """Return the connection to the simulated bus that the program uses."""
+        """Return the program's connection to the simulated bus."""
         self.master = BenchBus(self._drives.open())
         return self.master
 

@@ -28,7 +28,7 @@ def frame_bits(length: int) -> int:
 
 
 class CyclicFrame(NamedTuple):
-    """A frame that is sent in each period, or every few periods."""
+    """A CAN frame that is sent in each control period, or every few periods."""
 
     what: str
     """Sender and kind of the frame, as shown to the user."""

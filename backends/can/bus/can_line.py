@@ -121,7 +121,9 @@ class CanLine(canopen.Network):
 
     @property
     def interface_state(self) -> can.BusState:
-        """State that the interface reports."""
+        """State of the CAN controller that the interface reports: active, passive (error-passive) or
+        bus-off.
+        """
         return self._bus.state
 
     def close(self) -> None:

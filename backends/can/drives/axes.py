@@ -90,7 +90,7 @@ class Axes(Mapping[str, Axis]):
         self._checks = [AxisCheck(axis) for axis in self.values()]
 
     def send(self) -> None:
-        """Send the commands of this period."""
+        """Send the commands of this period to the drives of all axes."""
         for axis in self.values():
             axis.send()
 

@@ -356,8 +356,8 @@ class Axis(canopen.RemoteNode):
 
     @property
     def torque(self) -> float:
-        """Share of the rated torque, positive in the direction in which the position grows; 0 if the drive
-        reports none.
+        """Measured torque as a share of the rated torque, positive in the direction in which the position
+        grows; 0 if the drive reports none.
         """
         return math.copysign(1.0, self.units.scale) * self._reported.get(0x6077, 0) / 1000.0
 

@@ -32,7 +32,9 @@ INTEGER32_RANGE = PositionRange(-(2**31), 2**31 - 1)
 
 
 def described_range(dictionary: ObjectDictionary) -> PositionRange:
-    """Return the range that an EDS file states: the limits of 6064h, and the defaults of 607Bh."""
+    """Return the range of position counts that an EDS file states, by the limits of 6064h and the defaults of
+    607Bh.
+    """
     found = INTEGER32_RANGE
     position, limit = dictionary.get(POSITION), dictionary.get(RANGE_LIMIT)
     if isinstance(position, ODVariable):

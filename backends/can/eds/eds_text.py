@@ -59,7 +59,7 @@ _END_OF_FILE = "\x1a\x00"
 
 
 def decoded(content: bytes) -> str:
-    """Return the text of a file in UTF-8, UTF-16 with a byte order mark, or Windows-1252."""
+    """Decode the content of an EDS file, which is UTF-8, UTF-16 with a byte order mark, or Windows-1252."""
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return content.decode("utf-16", errors="replace")
     try:

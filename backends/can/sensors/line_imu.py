@@ -32,10 +32,10 @@ class LineImu(LineSensor, Imu):
     def rates(self) -> FloatArray:
         """Return the angular velocities (3,) about the base's axes x, y and z, in [rad/s].
 
-        They are the mean of the lines that arrived in one control period.
+        They are the mean of the readings that arrived in one control period.
 
         Raises:
-            StaleSensor: the last line is older than the robot's file allows.
+            StaleSensor: the last reading is older than the robot's file allows.
         """
         self.check_fresh()
         return self._mean[:3].copy()

@@ -60,7 +60,9 @@ def sensor_line(kind: str, stamp: int, values: FloatArray) -> bytes:
 
 
 def read_line(line: bytes) -> SensorLine | None:
-    """Return a parsed line; None if it is damaged or of another kind."""
+    """Parse a line of a lidar or IMU (`$RANGE` or `$IMU`); return None if it is damaged or of another
+    kind.
+    """
     try:
         kind, stamp, *fields = body_of(line).decode("ascii").split(",")
         if not _STAMP.fullmatch(stamp):

@@ -13,10 +13,10 @@ _DRIFT = 1e-4  # by which this machine's clock may run slower or faster than UTC
 class UtcOrder:
     """Filter that rejects repeated and old times of day of a satellite receiver, by this machine's clock.
 
-    The delay between receiver and clock is unknown, but it grows by no more than the clocks' drift. A time
-    that is earlier than possible is accepted only after four more times confirm it, as after a sleep of the
-    machine. A late time is never accepted: if a receiver's clock was set back, the program has to be
-    restarted.
+    The delay between receiver and clock is unknown, but it grows by no more than the clocks' drift. A time of
+    day that is ahead of what this clock and the delay allow is accepted only after four more times confirm
+    it, as after a sleep of the machine. A time of day that is too far behind is never accepted: if a
+    receiver's clock was set back, the program has to be restarted.
     """
 
     def __init__(self, late: float) -> None:

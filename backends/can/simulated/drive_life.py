@@ -57,7 +57,7 @@ class DriveLife:
 
     @property
     def state(self) -> str:
-        """Name of the state in CiA 402."""
+        """Name of the simulated drive's present state in CiA 402."""
         return self._state
 
     @property

@@ -15,7 +15,7 @@ _OWN: Mapping[int, int] = {0x6085: 2_000_000, 0x607F: 2**32 - 1}
 class DriveObjects:
     """Values of a simulated drive's objects by index and sub-index; the defaults of its EDS until written.
 
-    Objects that a maker's EDS lacks, or gives no default for, are internal to the drive.
+    An object that a maker's EDS lacks cannot be read by SDO, but the simulated drive uses its value.
     """
 
     def __init__(self, node: int, dictionary: ObjectDictionary | None = None) -> None:

@@ -101,7 +101,8 @@ class MujocoJoints(JointGroup):
         The solver integrates them implicitly, because explicit dampers are unstable without ground contact.
 
         Args:
-            stiffness: stiffness of the springs, which are at rest at 0, in [Nm/rad] or [N/m].
+            stiffness: stiffness of the springs, in [Nm/rad] or [N/m]; their torque is zero at joint position
+                0.
             damping: (n,) coefficients of the dampers, in [Nms/rad] or [Ns/m].
             torques: (n,) constant torques, in [Nm] or [N].
         """

@@ -30,7 +30,8 @@ class Leaning:
         """Contact islands of the trees at the last call of `look`, as bytes."""
 
     def compiled(self, model: Any, link: int | None) -> None:
-        """Continue with a newly compiled model, which may have more kinematic trees than before.
+        """Adapt the set of leaning things to a newly compiled model, which may have more kinematic trees than
+        before.
 
         Args:
             model: MuJoCo's model.

@@ -99,11 +99,11 @@ class MujocoEngine(Engine):
         return self._bodies[number, link]
 
     def name_links(self, number: int, bodies: dict[str, int]) -> None:
-        """Register the links of a robot or thing with MuJoCo's bodies of the same names.
+        """Register which body of MuJoCo represents each link of a robot or thing.
 
         Args:
             number: number of the robot or thing in this engine.
-            bodies: number of each of its links, by the name of MuJoCo's body.
+            bodies: index of each link, by the name of the body of MuJoCo that represents it.
         """
         model = self.model
         self._links = {model.body(name).id: (number, link) for name, link in bodies.items()}

@@ -18,8 +18,7 @@ _NAME = "pin {}"
 
 
 class Pins:
-    """Point constraints of MuJoCo (pins) that fix a held thing to the hand; each grasp may have another
-    thing.
+    """Point constraints of MuJoCo (pins) that fix the held thing, another one in each grasp, to the hand.
 
     In the model, the pins come after the equality constraints that couple joints to others (mimic joints).
     """

@@ -51,7 +51,7 @@ class JointGroup(ABC):
     ) -> None:
         """Follow moving set-points until the next command, but yield like springs at an obstacle.
 
-        The effort grows with a joint's distance from its set-point, up to `effort` at
+        The effort grows with a joint's distance from its set-point, up to `effort` at the distance
         `FULL_TORQUE_ERROR_RAD`.
 
         Args:

@@ -40,7 +40,9 @@ class Pinned:
 
 
 class Touching(NamedTuple):
-    """Touching pair of a link of the body whose contacts are read, and a link of another body."""
+    """Contact of two links, `link` of the body that was asked for, and `other_link` of the body with number
+    `other`.
+    """
 
     link: int
     other: int
@@ -48,7 +50,7 @@ class Touching(NamedTuple):
 
 
 class ContactPoint(NamedTuple):
-    """A point where the body whose contacts are read presses against another one."""
+    """Point at which a body presses against another body, with the normal and the force there."""
 
     link: int
     """Link of the body."""

@@ -27,11 +27,11 @@ class FormMesh(NamedTuple):
 
 
 def form_mesh(size: Sequence[float], uvs: Sequence[Uvs], is_round: bool) -> FormMesh:
-    """Return the surface of a thing.
+    """Return the surface of a box or cylinder as a mesh with texture coordinates.
 
     Args:
-        size: (3,) lengths of the thing's bounding box along x, y and z, in [m].
-        uvs: four corners (u, v), 0 to 1, of each face in the picture; faces -x, +x, -y, +y, +z, -z.
+        size: (3,) lengths of the bounding box along x, y and z, in [m].
+        uvs: four corners (u, v), 0 to 1, of each face in the texture; faces -x, +x, -y, +y, +z, -z.
         is_round: True for a cylinder along z.
     """
     half = np.array(size) / 2

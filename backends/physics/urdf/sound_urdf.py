@@ -39,7 +39,7 @@ def sound_urdf(robot: RobotFile) -> SoundUrdf:
     """Return the URDF of a robot, corrected for physics engines.
 
     Masses and inertia are physically possible, wheels are round and have a torque limit, and collision meshes
-    are convex. If the robot's file lets the base tilt, it is mounted on a chassis with a suspension.
+    are convex. If the robot's file lets the base tilt, the base is mounted on a chassis with a suspension.
 
     Raises:
         ValueError: a mesh cannot be read, or encloses no volume.

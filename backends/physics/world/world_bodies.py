@@ -98,7 +98,9 @@ class WorldBodies:
             self._weighed.append(made)
 
     def keep_things(self) -> None:
-        """Add bodies for new things and update all masses, at the beginning of a period."""
+        """Add bodies for new things and update the masses of all things' bodies, at the beginning of a
+        period.
+        """
         for thing in self._scene.things():
             if thing.name not in self.things:
                 self.add(thing)

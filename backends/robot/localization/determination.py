@@ -105,8 +105,9 @@ def undetermined(
         need: required accuracy; the error compared with it is 3 sigma plus the distance from the wanted pose.
         off: pose minus the wanted pose: x, y on the map in [m] and heading in [rad].
         shift: largest systematic error of the position on the map, either way, in [m], in addition to the
-            covariance; (2,) for a single error, or (1 + n, 2) with n errors whose sum is used instead, as in
-            `depth_shifts`. A systematic error is the same in all readings at one place.
+            covariance; (2,) for a single error, or (1 + n, 2) with n further, independent errors, whose sum
+            is used if it is larger (see `depth_shifts`). A systematic error is the same in all readings at
+            one place.
     """
     if not np.isfinite(covariance).all():
         return Undetermined(0.0, math.inf, need.position)

@@ -101,7 +101,7 @@ class Localization(ABC):
 
     @property
     def odometry_pose(self) -> Pose2:
-        """Continuous 2D pose of the base (`pose`, or, if that jumps, dead reckoning in another frame)."""
+        """2D pose of the base that never jumps: `pose` itself, or dead reckoning in a frame of its own."""
         return self.pose
 
     def set_origin(self) -> None:
@@ -197,7 +197,7 @@ class Localization(ABC):
     @property
     @abstractmethod
     def dead_reckoned(self) -> bool:
-        """True if only wheels or gyros measure the base's motion."""
+        """True if at present only wheels or gyros measure the base's motion, no other sensor its place."""
 
     def update(self, driven: DriveCommand) -> None:
         """Update the estimate with the readings of the period that has passed.

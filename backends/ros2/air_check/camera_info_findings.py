@@ -22,7 +22,7 @@ RECTIFIED_TOPIC_PART = "rect"
 def camera_info_findings(
     place: tuple[str, ...], topics: RosCameraSpec | RosDepthSpec, ours: CameraModel, message: Any
 ) -> Iterator[AirFinding]:
-    """Yield the differences between a published camera calibration and that in the robot's file.
+    """Yield the differences between a published camera calibration and the calibration in the robot's file.
 
     Args:
         place: key path of the camera in the robot's file.

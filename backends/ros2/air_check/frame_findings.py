@@ -33,7 +33,7 @@ class _Placed(NamedTuple):
 
 
 def frame_findings(heard: HeardRobot) -> Iterator[AirFinding]:
-    """Yield the sensors whose pose on the base differs between `tf` and the robot's file."""
+    """Yield a finding for each sensor whose pose on the base differs between `tf` and the robot's file."""
     odometry = heard.last(heard.spec.odometry.topic)
     base = getattr(odometry, "child_frame_id", "") or heard.spec.odometry.child_frame
     if not heard.frames.frames:

@@ -49,7 +49,7 @@ class TopicMeter:
         self.begin()
 
     def begin(self) -> None:
-        """Start the measurement now."""
+        """Start measuring the topic's messages now, without the earlier ones."""
         self._begun = self._clock()
         self._arrivals: list[float] = []
         self._ages: list[float] = []
@@ -67,7 +67,7 @@ class TopicMeter:
         self._frames[header.frame_id] = None
 
     def measured(self) -> MeasuredTopic:
-        """Return the properties measured since `begin`."""
+        """Return the rate, gaps, ages and frames of the messages since `begin`."""
         times = np.array([self._begun, *self._arrivals, self._clock()])
         count = len(self._arrivals)
         span = times[-2] - times[1] if count > 1 else 0.0

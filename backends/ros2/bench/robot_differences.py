@@ -93,7 +93,7 @@ class RobotDifferences:
 
     @property
     def joint_latency_s(self) -> float:
-        """Delay between a command to a joint and its motion, in [s]."""
+        """Delay between a command to a simulated joint and the start of its motion, in [s]."""
         return self._factors.get(LATENCY_NAME, 0.0)
 
     @property

@@ -51,7 +51,7 @@ class JointPlan(NamedTuple):
 class ServedJoints:
     """Simulated joint controller with an action server.
 
-    The joints follow the last accepted goal, and then hold its end.
+    The joints follow the trajectory of the last accepted goal, and then hold its last positions.
     """
 
     STATE: ClassVar[Kinds] = {"_plan": JointPlan | None}

@@ -67,7 +67,7 @@ def grey_picture(message: Any) -> ByteArray:
     """Return the picture (height, width) of a message as a read-only copy, grey from 0 to 255.
 
     Args:
-        message: `sensor_msgs/Image` with an encoding of `TO_GREY` and complete data.
+        message: `sensor_msgs/Image` with complete data, whose encoding is a key of `TO_GREY`.
     """
     channels, conversion = TO_GREY[message.encoding]
     rows = np.frombuffer(bytes(message.data), np.uint8)[: message.step * message.height]

@@ -38,7 +38,7 @@ class OtherEnd(Protocol):
         """
 
     def set_state(self, state: Any) -> None:
-        """Restore a state that `state` returned."""
+        """Restore a state of the simulated robot and its drivers that `state` returned."""
 
     def close(self) -> None:
         """Release all resources."""

@@ -213,8 +213,8 @@ def action_servers(node: Any, name: str) -> list[str]:
 def actions_of(node: Any, kind: str) -> list[str]:
     """Return the names of all actions of a type that have a server; the package of the type is not needed.
 
-    A server is recognized by publishing the action's feedback topic. A client only subscribes to this topic.
-    Node names are not used, because they are discovered later than topics.
+    A server is recognized by the action's feedback topic, which it publishes. A client only subscribes to
+    this topic. Node names are not used, because they are discovered later than topics.
     """
     wanted = f"{kind.replace('/', '/action/')}{FEEDBACK_TYPE}"
     topics = (topic for topic, kinds in node.get_topic_names_and_types() if wanted in kinds)
@@ -222,7 +222,9 @@ def actions_of(node: Any, kind: str) -> list[str]:
 
 
 def node_of(end: Any) -> str:
-    """Return the node name of a publisher or subscription, or a text if the name is not discovered yet."""
+    """Return the node name of a publisher or subscription, or a placeholder text if ROS has not discovered
+    the name yet.
+    """
     if end.node_name == UNKNOWN_NODE:
         return "a node without a name yet"
     return f"{end.node_namespace.rstrip('/')}/{end.node_name}"

@@ -67,7 +67,7 @@ class Link(Protocol):
         """
 
     def topics_of(self, kind: str) -> list[str]:
-        """Return the names of all topics of a type."""
+        """Return the names of all topics whose messages are of the type `kind`."""
 
     def joints_of(self, controller: str) -> list[str]:
         """Return the parameter `joints` of a controller's node; empty if it reports none."""

@@ -147,7 +147,8 @@ class ArmContact:
         return self._deepest(bodies, self._near(bodies), left_out)
 
     def deepest_of_arm(self, joints: FloatArray, skip: Skip | None = None) -> Touch:
-        """Return the deepest overlap of the arm in a posture, with the base at its current pose.
+        """Return the deepest overlap of the arm in a posture with other bodies; the base is at its current
+        pose.
 
         The robot's own tray, and things on it, are obstacles as well.
 

@@ -46,7 +46,8 @@ class SimulatedHand:
     # Motion
 
     def move(self, target: FloatArray) -> frozenset[tuple[str, str]]:
-        """Move the arm from `scene.joints` towards joint positions, as far as solids and rules allow it.
+        """Move the arm from `scene.joints` towards joint positions, as far as solids and the rules of domains
+        (`HandRule`) allow it.
 
         The scene's joints, pose of the held object and force on the hand are updated.
 

@@ -108,7 +108,7 @@ class SimulatedArm(ForceArm):
 
     @abstractmethod
     def true_joints(self) -> FloatArray:
-        """Return the true joints (n,), in [rad] or [m]."""
+        """Return the true joint positions (n,), in [rad] or [m], without errors of the encoders."""
 
     @abstractmethod
     def _true_force(self) -> FloatArray:

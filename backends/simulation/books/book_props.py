@@ -34,12 +34,12 @@ class BookProps(BooksThere):
     A person hands books over. Without a physics engine, books differ from real ones:
 
     - Whether a book enters its slot is decided once for each entry, by a rule fitted to a physics engine
-      (`insertion.entry_chance`); in the slot it aligns. Books that are pushed slide straight back against 3 N
-      (10 N if an edge jams), and nothing stops them before the shelf's back.
+      (`insertion.entry_chance`); in the slot the book aligns with the slot. Books that are pushed slide
+      straight back against 3 N (10 N if an edge jams), and nothing stops them before the shelf's back.
     - A book released at most 20 mm above a tray rests there upright. Above a board it is left leaning aside a
-      little (`errors.book_lean_deg`, and the hand's own tilt). Beyond its edge it tips over; its neighbours
-      stop it and do not move (`book_lean`). In all other cases it falls flat onto the floor or the board, and
-      is lost.
+      little (`errors.book_lean_deg`, and the hand's own tilt). If its centre of mass is beyond its lower
+      edge, it tips over; its neighbours stop it and do not move (`book_lean`). In all other cases it falls
+      flat onto the floor or the board, and is lost.
 
     In a physics engine, books in a row have square edges, and books to be returned have rounded leading edges
     (3 mm). Things inside a shelf are painted dark.
@@ -87,7 +87,9 @@ class BookProps(BooksThere):
         return thing.size[1]
 
     def fits(self, thing: Thing, pads: Pads) -> bool:
-        """Return True if closing pads would grip the book at its covers, from in front of its spine."""
+        """Return True if closing pads would grip the book at its covers, with the hand in front of its
+        spine.
+        """
         finger = pads.finger
         pose = inverse(pads.world_T_hand) @ thing.pose
         depth, thick, height = thing.size

@@ -39,8 +39,7 @@ def entry_chance(error: float, clearance: float) -> float:
     below 8 mm, and none above 10 mm.
 
     Args:
-        error: distance of the leading edge's middle from the slot's middle, in [m]: |lateral - 75 mm *
-            sin(yaw)| of a book's middle.
+        error: lateral distance of the middle of the book's leading edge from the slot's middle, in [m].
         clearance: width of the slot minus the thickness of the book, in [m].
     """
     if clearance < LEAST_CLEARANCE:

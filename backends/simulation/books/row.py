@@ -104,7 +104,8 @@ def members(books: BooksThere, shelf: SimulatedShelf, without: Thing | None) -> 
 def slots(row: Sequence[Member]) -> list[FreeInterval]:
     """Return the free intervals between the members of a row.
 
-    Objects deeper in the shelf than 35 mm do not bound an interval; they stop a book only when it is inside.
+    Objects deeper in the shelf than 35 mm do not bound an interval; they stop a book only after it has
+    entered the slot.
     """
     before = [member for member in row if member.front < _DEEP]
     return [
