@@ -265,7 +265,9 @@ class CanBackend(Backend):
         return None if inner is None else inner.view()
 
     def state(self) -> object | None:
-        """Return the state of the bench; None for drives on a real bus."""
+        """Return the state of the bench for a checkpoint; None for drives on a real bus, or if it cannot be
+        saved.
+        """
         inner = None if self.bench is None or self.bench.inner is None else self.bench.inner.state()
         if inner is None or self.bench is None:
             return None

@@ -53,7 +53,7 @@ class DoorTag(FileModel):
 
 
 class DoorHandle(FileModel):
-    """Handle of a door or drawer: a round bar on its front, with the bar's pose on the map while it is
+    """Round bar on the front of a door or drawer as its handle, with the bar's pose on the map while it is
     closed.
     """
 

@@ -57,7 +57,7 @@ class FootprintSpec(FileModel):
 
     @property
     def shape(self) -> Footprint:
-        """The base's footprint as a shape for collision checks: a disc or a polygon."""
+        """The base's footprint as a shape (disc or polygon) for collision checks."""
         if self.radius_m is not None:
             return Footprint(self.radius_m)
         if self.rectangle_m is not None:

@@ -146,7 +146,7 @@ class UnknownPosture(InputError):
 
 
 class RobotFile(SensorTable, OutlinedFile):
-    """Content of a robot's YAML file: drive, arm, sensors, limits, tolerances, postures, and simulated
+    """Content of a robot's YAML file, with drive, arm, sensors, limits, tolerances, postures and simulated
     errors.
     """
 

@@ -47,7 +47,7 @@ class OdometrySpec(FileModel):
 
     @property
     def sideways_errors(self) -> SidewaysErrors:
-        """Sigmas of the errors of sideways travel, in SI units: scale and slip as ratios, turn in [rad/m]."""
+        """Sigmas of the errors of sideways travel, with scale and slip as ratios and turn in [rad/m]."""
         return SidewaysErrors(
             self.sideways_percent / 100,
             math.radians(self.sideways_turn_deg_per_m),

@@ -198,7 +198,7 @@ class Robot:
 
     @property
     def view_camera(self) -> Camera:
-        """Camera for the hand's work: the camera on the hand, otherwise the robot's first other camera."""
+        """Camera that watches the hand's work (the one on the hand, otherwise the first other camera)."""
         return cast("Camera", self.get(AnyCamera))
 
     @property

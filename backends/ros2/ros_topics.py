@@ -55,7 +55,7 @@ SensorT = TypeVar("SensorT", bound=TopicSensor)
 
 
 class RosTopics:
-    """Capabilities of a robot that is connected over ROS: base, arm, gripper and sensors.
+    """Capabilities (base, arm, gripper and sensors) of a robot that is connected over ROS.
 
     The topics and actions of the robot's drivers are those of the section `ros2` of the robot's file.
     """

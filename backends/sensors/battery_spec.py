@@ -27,8 +27,8 @@ class ChargerSpec(FileModel):
 
 
 class BatterySpec(SensorSpec):
-    """Description of a battery: capacity, noise of its charge reading, and the power that a simulated robot
-    draws.
+    """Capacity of a battery, noise of its charge reading, and the power that a simulated robot draws
+    from it.
     """
 
     kind: Literal["battery"] = "battery"

@@ -120,11 +120,11 @@ def sensor_specs() -> Mapping[str, type[SensorSpec]]:
 
 @cache
 def capability_of(kind: str) -> type[Capability]:
-    """Return the capability (class) by which sensors of a kind are read."""
+    """Return the class of capability, such as `Camera`, through which sensors of a kind are read."""
     found: type[Capability] = imported(sensor_kind(kind).capability)
     return found
 
 
 def sensor_capabilities() -> tuple[type[Capability], ...]:
-    """Return the capabilities (classes) by which sensors of all kinds are read."""
+    """Return the classes of capabilities, such as `Camera`, through which sensors of all kinds are read."""
     return tuple(dict.fromkeys(capability_of(name) for name in sensor_kinds()))

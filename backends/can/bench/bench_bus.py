@@ -8,8 +8,8 @@ import can
 
 
 class BenchBus(can.BusABC):
-    """Wrapper of a bus that simulates faults of its interface: it is down, its queue is full, or frames stay
-    in the queue.
+    """Wrapper of a bus that simulates faults of its interface, which can be down, have a full queue, or hold
+    frames back.
     """
 
     def __init__(self, bus: can.BusABC) -> None:

@@ -121,9 +121,7 @@ class CanLine(canopen.Network):
 
     @property
     def interface_state(self) -> can.BusState:
-        """State of the CAN controller that the interface reports: active, passive (error-passive) or
-        bus-off.
-        """
+        """State of the CAN controller that the interface reports (active, passive or bus-off)."""
         return self._bus.state
 
     def close(self) -> None:

@@ -46,7 +46,7 @@ class Pdo(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """Mapping of one drive's PDOs: the objects in its command frames and in its answer frames."""
+    """Mapping of one drive's PDOs, which are the objects in its command frames and in its answer frames."""
 
     commands: tuple[Pdo, ...]
     """PDOs that the drive receives, COB-IDs 200h, 300h ... + node; all but the first are sent on change."""

@@ -16,7 +16,7 @@ Read = Callable[[bool], Any]
 
 @dataclass(frozen=True, eq=False)
 class PartLook:
-    """Appearance of one visual shape of a robot's link, for rendering: form, place and colour."""
+    """Appearance (form, place and colour) of one visual shape of a robot's link, for rendering."""
 
     link: str
     kind: int

@@ -14,7 +14,8 @@ _NO_ISLAND = -2
 
 
 class Leaning:
-    """Selector of the resting bodies that MuJoCo must not put to sleep: the robot and things that lean on it.
+    """Selector of the resting bodies that MuJoCo must not put to sleep (the robot and things that lean on
+    it).
 
     MuJoCo does not simulate bodies that sleep. A sleeping thing that leans on the robot would not fall when
     the robot drives away, so it is kept awake; other things sleep when they come to rest.

@@ -22,7 +22,9 @@ class BoxLook(NamedTuple):
 
 
 class TileLook(NamedTuple):
-    """Appearance of a square tile of rough ground: the heights of a grid of points, for rendering."""
+    """Appearance of a square tile of rough ground, given by the heights of a grid of points, for
+    rendering.
+    """
 
     corner: FloatArray
     cell: float

@@ -16,9 +16,7 @@ MAX_LOCK_PLAY = 1e-4  # of a locked joint, in [rad] or [m]
 
 
 class DoorBody(ThingBody):
-    """Body of a physics engine for a part of a door or drawer: its front on a hinge or slide, or the handle
-    on the front.
-    """
+    """Body of a physics engine for the front of a door or drawer on its hinge or slide, or for its handle."""
 
     STICKS: ClassVar[Sticks | None] = None
 

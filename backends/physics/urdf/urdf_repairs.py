@@ -16,8 +16,8 @@ MIN_INERTIA_RATIO = 1e-6
 
 
 class Repair(NamedTuple):
-    """A correction of a link's mass or inertia in a URDF, described for a message: name of the link, and what
-    was changed.
+    """A correction of a link's mass or inertia in a URDF, with the link's name and a text on what was
+    changed.
     """
 
     link: str

@@ -93,6 +93,6 @@ class HeldBase:
             self._searched = 0
 
     def reset(self) -> None:
-        """Start monitoring again, after the pose was set from outside."""
+        """Forget the earlier scans and start monitoring again, because the pose was set from outside."""
         self._check.reset()
         self._searched = 0

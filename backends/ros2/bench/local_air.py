@@ -15,7 +15,7 @@ from .local_messages import new_message
 
 
 class LocalAir:
-    """Simulation of a ROS network within this process: its topics and actions, and the time for message
+    """Simulation of a ROS network within this process, with its topics, its actions and the time for message
     stamps.
     """
 

@@ -17,7 +17,7 @@ SERVICE_THREAD_COUNT = 4
 
 
 class Answer(NamedTuple):
-    """Answer to a call of a `std_srvs/Trigger` service: success and a message."""
+    """Answer to a call of a `std_srvs/Trigger` service, with success and a message."""
 
     success: bool
     message: str

@@ -28,8 +28,8 @@ MAX_SPINE_OFFSET_M = 0.003  # maximum distance of a spine from the board's front
 
 
 class Waiting(NamedTuple):
-    """State of handing over books: number handed over so far, and place and time at which the robot came to
-    rest.
+    """State of handing over books, with the number handed over, and the place and time at which the robot
+    came to rest.
     """
 
     given: int = 0

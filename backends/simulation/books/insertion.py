@@ -21,8 +21,8 @@ LEAST_CLEARANCE = 0.0003
 
 @dataclass(frozen=True)
 class Entry:
-    """State of inserting a held book whose leading edge has passed the front of a row: shelf, slot, and
-    whether it enters.
+    """State of inserting a held book whose leading edge has passed the front of a row, with shelf, slot and
+    outcome.
     """
 
     shelf: SimulatedShelf

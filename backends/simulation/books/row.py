@@ -73,7 +73,8 @@ class Pusher(NamedTuple):
 
 
 class Push(NamedTuple):
-    """Result of pushing against a row of books: final position, force, and the objects that were met.
+    """Result of pushing against a row of books, with the final position, the force, and the objects that were
+    met.
 
     `lead` is the x of the pusher's face in the shelf frame S, in [m]; `force` the size of the force on the
     face, in [N]; `met` has the names of the books or panels in the row that the face met.

@@ -28,8 +28,8 @@ _FACING = np.cos(np.radians(30.0))
 
 
 class Front(NamedTuple):
-    """State when the hand is in front of a shelf: the shelf, its row of books, and the hand's pose (4, 4) in
-    the shelf frame S.
+    """State when the hand is in front of a shelf, with the shelf, its row of books, and the hand's pose (4,
+    4) in the shelf frame S.
     """
 
     shelf: SimulatedShelf
@@ -62,8 +62,8 @@ class RowRule(HandRule):
 
     @property
     def entered(self) -> tuple[str, FreeInterval, bool] | None:
-        """State of a book's insertion for checkpoints: shelf's name, slot, and True if the book fits into the
-        slot.
+        """State of a book's insertion for checkpoints, with the shelf's name, the slot, and True if the book
+        enters the slot.
 
         None if no book's leading edge has passed the front of a row.
         """

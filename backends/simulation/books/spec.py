@@ -14,7 +14,7 @@ TAG_ROOM_MM = 14.0  # a tag of 10 mm and its white margins
 
 
 class BookSpec(FileModel):
-    """Book of a world's file, with its dimensions, and the tag and label on its spine."""
+    """Description of a book in a world's file, with its dimensions, and the tag and label on its spine."""
 
     accession: Annotated[int, Field(ge=0)]
     """Number that its tag encodes."""
@@ -73,7 +73,7 @@ class ObjectSpec(FileModel):
 
 
 class GapSpec(FileModel):
-    """A free slot in a row of books."""
+    """Description of a free slot in a row of books, in a world's file."""
 
     gap_mm: Annotated[float, Field(gt=0.0, le=1000.0)]
 
