@@ -16,7 +16,7 @@ class NoWheels(InputError):
 
 
 class DrivenWheels(NamedTuple):
-    """Names of the driven wheels on each side; a wheel's joint and its link have the same name.
+    """Names of the joints of a robot's driven wheels on each side; the link of a wheel has the joint's name.
 
     All wheels of a side turn together.
     """

@@ -130,11 +130,15 @@ def read_part(urdf: str, folder: Path, without: Sequence[str] = ()) -> ReadPart:
 
 
 def read_srdf(srdf: str, folder: Path) -> str:
-    """Return the text of a SRDF, MoveIt's file of a robot's semantics; errors are as for `read_part`.
+    """Return the text of an SRDF, MoveIt's file of a robot's semantics such as groups and postures.
 
     Args:
         srdf: path or `package://NAME/PATH` of the SRDF, as in a robot's file.
         folder: folder of the robot's file.
+
+    Raises:
+        FileError: the file cannot be read, or is not well-formed XML.
+        UrdfError: the file or its package is missing.
     """
     path, _, _ = _found(srdf, folder)
     if not path.is_file():

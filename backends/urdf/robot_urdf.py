@@ -22,7 +22,7 @@ Pair = tuple[str, str]
 
 
 class SourcePlace(NamedTuple):
-    """Position of an element in a maker's URDF file; line and column count from 1."""
+    """Place of a link or joint in the URDF file that defines it; line and column count from 1."""
 
     file: str
     line: int
@@ -35,7 +35,7 @@ class SourcePlace(NamedTuple):
 
 @dataclass(frozen=True)
 class RobotUrdf:
-    """URDF of a robot, composed of the URDFs of its parts, with the origin of each link and joint."""
+    """URDF of a robot, composed of its parts' URDFs, with the file and line of each link and joint."""
 
     text: str
     """The URDF; meshes named by absolute paths, links and joints as the robot's file maps them."""
@@ -49,11 +49,13 @@ class RobotUrdf:
     """Faults in the URDFs that do not prevent their use."""
 
     def finding(self, kind: str, name: str, message: str) -> Finding | None:
-        """Return a finding at the place of a link or joint in its maker's URDF; None if no URDF has it.
+        """Return a finding at the place of a link or joint in the URDF file that defines it.
+
+        None if the link or joint comes from no URDF file.
 
         Args:
             kind: "link" or "joint".
-            name: name of the link or joint in `text`.
+            name: name of the link or joint in the robot's complete URDF.
             message: message of the finding, what is wrong and what is allowed.
         """
         place = self.places.get((kind, name))
@@ -64,7 +66,7 @@ class RobotUrdf:
 
         Args:
             kind: "link" or "joint".
-            name: name of the link or joint in `text`.
+            name: name of the link or joint in the robot's complete URDF.
             message: text of the remark.
         """
         return str(self.finding(kind, name, message) or f"{kind} {name!r}: {message}")
@@ -83,7 +85,7 @@ def robot_urdf(
     Args:
         specs: the robot's own URDF, then its further parts.
         folder: folder of the robot's file.
-        roles: roles of links, each with the name of the link in the URDFs.
+        roles: roles of links, such as the robot's hand; the value is the link's name in the URDFs.
         joints: joints that the file names: key path, name in the URDFs, and the expected name.
         allowed: pairs of links that may touch, by the robot's file.
         still: joints that are never moved, and their positions in [deg] or [mm], by their names in the URDF.

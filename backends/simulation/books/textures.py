@@ -141,7 +141,7 @@ def draw_label(
 
 
 def label_fonts() -> tuple[str, ...]:
-    """Names of the text faces that matplotlib ships, in alphabetical order."""
+    """Return the file names of the fonts for labels that matplotlib ships, in alphabetical order."""
     stems = ("DejaVuSans", "DejaVuSerif", "STIXGeneral", "cmr", "cmb", "cmss", "cmtt")
     found = sorted(path.name for path in _font_folder().glob("*.ttf"))
     return tuple(name for name in found if name.startswith(stems) and "Display" not in name)

@@ -21,7 +21,7 @@ M_PER_PX = 1.25e-4
 
 
 class Mark(Sheet):
-    """Sheet of paper with a landmark, a decoy or a calibration board, at the pose of its spec."""
+    """Sheet of paper with a landmark, a picture that resembles a landmark, or a calibration board."""
 
     def __init__(self, spec: MarkSpec) -> None:
         pose = Pose2(spec.x_m, spec.y_m, math.radians(spec.heading_deg)).lift(spec.height_m)

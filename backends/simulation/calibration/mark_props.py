@@ -13,7 +13,7 @@ from .spec import MarksSection
 
 
 class MarkProps(Props[MarksSection]):
-    """Marks of a simulated world, as sheets of paper in the order of the world's file."""
+    """Sheets of paper with landmarks, pictures that resemble them, or calibration boards, in a world."""
 
     section = MarksSection
 

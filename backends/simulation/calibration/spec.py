@@ -12,7 +12,7 @@ from handcart.files.models.model import FileModel
 
 
 class MarkSpec(FloorPose):
-    """Mark painted on a level surface; its pose is that of its middle."""
+    """Printed sheet on a level surface, such as a landmark; its pose is that of its middle."""
 
     kind: Literal["landmark", "square", "disc", "frame", "board"] = "landmark"
     """Landmark, decoy, or board to calibrate cameras with."""
@@ -25,6 +25,6 @@ class MarkSpec(FloorPose):
 
 
 class MarksSection(FileModel):
-    """Keys of a world's file about marks."""
+    """Key of a world's file that lists printed sheets, such as landmarks and calibration boards."""
 
     marks: tuple[MarkSpec, ...] = ()

@@ -48,8 +48,8 @@ class DepthNoise:
         """Return a mask (h, w) of pixels without a reading because they are near a step in depth.
 
         Args:
-            true: (h, w) true depths, in [m]. A step is a ratio of neighbouring depths above the spec's
-                `edge_step_percent`, near is within its `edge_px`.
+            true: (h, w) true depths, in [m]. A step is a pair of neighbouring depths that differ by more than
+                the spec's `edge_step_percent`. A pixel is near it within the spec's `edge_px`, in [px].
         """
         if self._errors.edge_px == 0:
             return np.zeros(true.shape, np.bool_)
@@ -67,8 +67,8 @@ class DepthNoise:
         """Return a mask (h, w) of pixels without a reading because they show a surface at a flat angle.
 
         Args:
-            true: (h, w) true depths, in [m]. Flat is more than the spec's `grazing_deg` between the ray
-                and the surface's normal.
+            true: (h, w) true depths, in [m]. An angle is flat if the pixel's ray and the surface's normal are
+                more than the spec's `grazing_deg` apart.
         """
         if self._errors.grazing_deg >= 90.0:
             return np.zeros(true.shape, np.bool_)

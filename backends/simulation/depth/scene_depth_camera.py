@@ -26,10 +26,10 @@ Body = tuple[Box | Cylinder, Material]
 
 
 class SceneDepthCamera(SimulatedDepthCamera):
-    """Depth camera that casts rays at the scene's boxes and a level floor.
+    """Depth camera that casts rays at the scene's boxes, cylinders and a level floor.
 
-    Its picture has the brightness that the grey camera's renderer paints. As there, the arm except for its
-    fingers, the base and rough ground are not shown.
+    Its picture has the brightness that the grey camera's renderer paints. Like that renderer, it shows the
+    fingers and the tray, but not the rest of arm and base, and no rough ground.
     """
 
     @classmethod

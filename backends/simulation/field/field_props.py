@@ -74,7 +74,7 @@ class FieldProps(Props[FieldSection]):
         self._seat(self.sensors[name])
 
     def waiting(self) -> Sensor | None:
-        """Return the sensor that the magazine holds between the fingers; None if it holds none there."""
+        """Return the sensor between the fingers that is still in the magazine; None if there is none."""
         sensor = self.sensors.get(str(self.loaded))
         return sensor if sensor is not None and sensor.rest is Rest.TRAY else None
 

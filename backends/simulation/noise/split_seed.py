@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class SeedBranch(NamedTuple):
-    """One continuation of a run that was split into several, with the draws made before the split."""
+    """One continuation of a run that was split, with the periods in which random numbers had been drawn."""
 
     number: int
     """Number of the branch, from 1, which separates its draws from those of other branches."""

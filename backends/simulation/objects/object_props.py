@@ -71,7 +71,7 @@ class ObjectProps(Props[ObjectsSection]):
 
     @property
     def pulls(self) -> list[SimulatedPull]:
-        """Pulls of the person at the held object, both future and present and past ones."""
+        """All pulls of the person at the held object, before, during and after they take place."""
         return self.puller.pulls
 
     @pulls.setter
@@ -80,7 +80,10 @@ class ObjectProps(Props[ObjectsSection]):
 
     @property
     def held_out(self) -> OfferingHand | None:
-        """Position of the robot's hand that holds an object out at rest, and since when; None without one."""
+        """Position of a hand that holds an object out at rest, and the time at which it came to rest.
+
+        None if no hand holds an object out.
+        """
         return self.puller.held_out
 
     @held_out.setter

@@ -90,7 +90,7 @@ class Passers:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of all passers, companions included."""
+        """Names of all passers, and of the people who accompany them."""
         return tuple(name for _, name, _ in self._walks)
 
     def advance(self, time: float, period: float, base: Pose2, radius: float) -> None:

@@ -23,7 +23,7 @@ _AROUND = frozenset({Rest.TABLE, Rest.FLOOR})
 
 
 class Renderer:
-    """Renderer of a simulated scene's pictures for one grey camera.
+    """Renderer of the pictures that one grey camera takes of a simulated scene.
 
     It paints convex bodies face by face, far ones first (painter's algorithm). Of the robot only the
     fingers and the tray are shown.

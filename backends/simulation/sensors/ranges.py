@@ -15,8 +15,9 @@ _GRAZING = 1e-9  # [rad]
 def cast_rays(plan: FloorPlan, sensor: Pose2, angles: FloatArray, time: float, reach: float) -> FloatArray:
     """Return the range (n,) in [m] of each beam to the first outline of the plan; infinity beyond `reach`.
 
-    The slab method of Kay and Kajiya, "Ray tracing complex scenes" (1986), for all outlines at once, each
-    against the beams in its direction. An outline that contains the sensor is not seen.
+    It uses the slab method of Kay and Kajiya, "Ray tracing complex scenes" (1986), for all outlines at once;
+    each outline is tested only against beams in its direction. An outline that contains the sensor is not
+    seen.
 
     Args:
         plan: outlines at the sensor's height.

@@ -27,7 +27,7 @@ class NotSimulated(InputError):
 
 
 class SensorMaker(NamedTuple):
-    """Function that builds a simulated sensor, and whether the simulation has to be at rest before."""
+    """Function that builds a simulated sensor, and whether the simulation must be at rest before the call."""
 
     build: Callable[[SensorSite[Any]], SimulatedSensor]
     settled_first: bool
@@ -46,8 +46,8 @@ def make_sensors(robot: RobotFile, simulations: Sequence[str], backend: str) -> 
 
     Args:
         robot: robot file.
-        simulations: names of simulations that this backend can use; of those that a kind of sensor has, the
-            first one is used.
+        simulations: names of simulations that this backend can use, in order of preference; each sensor gets
+            the first that exists for its kind.
         backend: name of the backend for messages.
 
     Raises:

@@ -68,7 +68,7 @@ class SimulatedCamera(PlacedCamera, SimulatedSensor):
 
 
 class SceneCamera(SimulatedCamera):
-    """Camera whose pictures are painted from the scene, without a physics engine."""
+    """Simulated camera that draws its pictures from the scene's bodies, without a physics engine."""
 
     def __init__(self, robot: RobotFile, spec: CameraSpec, scene: Scene, seed: int) -> None:
         super().__init__(robot, spec, scene.arm, seed)

@@ -62,7 +62,7 @@ class SimulatedSensor(ABC):
     @classmethod
     @abstractmethod
     def build(cls, site: SensorSite[Any]) -> SimulatedSensor:
-        """Build the sensor.
+        """Build the sensor from the parts of a simulation, such as its section of the robot's file.
 
         Raises:
             InputError: the sensor cannot be simulated for this robot.

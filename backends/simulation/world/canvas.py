@@ -81,7 +81,8 @@ class Canvas:
         """Draw a printed face.
 
         Args:
-            levels: the same picture (h, w) in falling resolution, each with the size of a pixel, in [m].
+            levels: the picture (h, w) at full resolution and halved several times, each level with the size
+                of its pixels, in [m].
             face: (4, 4) pose in the world: origin at the picture's upper left corner, x along its rows, y
                 down its columns.
             shade: function that changes the greys of the picture by the light on it; None: no change.

@@ -56,8 +56,9 @@ def fits(thing: Thing, pads: Pads) -> bool:
 
 
 def aside_at_pads(thing: Thing, pads: Pads) -> float:
-    """Return the y of a thing's middle in the hand frame, at the pads, in [m]; positive to the left of the
-    hand's middle.
+    """Return how far a thing is to the left of the hand's middle where the pads grip, in [m].
+
+    It is the y of the thing's middle line in the hand frame; negative to the right.
     """
     middle = inverse(pads.world_T_hand) @ thing.pose @ thing.thing_T_middle
     if thing.is_round and abs(float(middle[0, 2])) < _LENGTHWISE:

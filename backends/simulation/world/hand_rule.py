@@ -70,7 +70,7 @@ class HandRule:
         return np.zeros(3)
 
     def room(self) -> float:
-        """Return the largest opening of the fingers, in [m], for which the things around them leave room."""
+        """Return the largest possible opening of the fingers, in [m]; infinity if nothing limits it."""
         return float("inf")
 
     def gripped(self, thing: Thing) -> None:

@@ -131,11 +131,10 @@ def round_strips(size: tuple[float, float, float]) -> list[tuple[FloatArray, Flo
 
 
 def picture_frame(side: Side, box: Box) -> tuple[Transform, tuple[float, float]]:
-    """Return the frame (4, 4) of the picture on a box's side, and the picture's size along rows and columns,
-    in [m].
+    """Return the frame (4, 4) of the picture on a box's side, and the picture's width and height in [m].
 
-    The frame is given in the frame of `box.pose`'s parent, such as the world: origin in the picture's upper
-    left corner, x along its rows, y down its columns, z into the box.
+    The frame's origin is in the picture's upper left corner; x is along the rows, y down the columns, z into
+    the box. It is given in the same frame as `box.pose`, for example the world.
     """
     along, down, *turn = _PICTURES[side]
     size = (box.size[along], box.size[down])
@@ -145,8 +144,9 @@ def picture_frame(side: Side, box: Box) -> tuple[Transform, tuple[float, float]]
 
 
 def picture_levels(picture: ByteArray, width: float, height: float) -> Levels:
-    """Return a grey picture (h, w) in falling resolution with square pixels, each with the size of a pixel in
-    [m].
+    """Return a grey picture with square pixels, at full resolution and then halved several times.
+
+    Each level is a picture (h, w) and the size of its pixels in [m].
 
     Args:
         picture: (h, w), fills the face.

@@ -175,7 +175,7 @@ class Scene:
         return self.world_T_base @ self.arm.forward(self.joints, frame)
 
     def of(self, kind: type[ScenePropsT]) -> ScenePropsT:
-        """Return the things of one domain in this scene, which are empty if the world's file has none.
+        """Return the collection of one domain's things, which is empty if the world's file has none of them.
 
         Args:
             kind: class of the domain's things.
@@ -188,7 +188,7 @@ class Scene:
         return [thing for props in self.props.values() for thing in props.things()]
 
     def props_of(self, thing: Thing) -> SceneProps:
-        """Return the things (see `Props`) of the application domain to which a thing belongs."""
+        """Return the collection, of one application domain, that a thing belongs to."""
         known = self._owners.get(id(thing))
         if known is None or known[0] is not thing:
             owner = next(
@@ -251,7 +251,7 @@ class Scene:
             self.changes += 1
 
     def touch(self, pairs: frozenset[tuple[str, str]]) -> None:
-        """Record the touching pairs of this period; new pairs are new contacts."""
+        """Record the pairs of bodies that touch in this period; each new pair is a new contact."""
         for body, other in sorted(pairs - self.touching):
             self.contacts.append(Contact(self.time, body, other))
         self.touching = pairs

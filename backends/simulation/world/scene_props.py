@@ -21,7 +21,10 @@ from .painting import Painted, paint_thing
 
 
 class SceneProps(ABC):
-    """Interface through which a scene handles the things of one application domain; see `Props`."""
+    """Interface through which a scene handles the things of one application domain.
+
+    Domains derive their things from `Props`, which implements it for passive boxes.
+    """
 
     STATE: ClassVar[Kinds] = {}
     """Attributes that a checkpoint keeps, with their types: its things, and what else changes."""
@@ -40,7 +43,7 @@ class SceneProps(ABC):
         return ()
 
     def painted(self, rests: frozenset[Rest]) -> Iterable[Painted]:
-        """Yield the drawable surfaces of the things that have one of the supports `rests`."""
+        """Yield the drawable surfaces of the things that rest on a body of one of the kinds `rests`."""
         for thing in self.things():
             if thing.rest in rests:
                 yield paint_thing(thing)

@@ -31,7 +31,7 @@ def lean_of(reach: tuple[float, float], mrad_per_m: float) -> tuple[float, float
 
     Args:
         reach: x and y of the hand in the base frame, in [m].
-        mrad_per_m: tilt for each metre of that distance.
+        mrad_per_m: tilt for each metre of the hand's distance, in [mrad/m].
     """
     rate = mrad_per_m / 1e3
     return -rate * reach[1], rate * reach[0]

@@ -61,7 +61,7 @@ class Thing(ABC):
     @property
     @abstractmethod
     def name(self) -> str:
-        """Name in contacts, unique in the world."""
+        """Name of the thing, unique in the world, by which contacts refer to it."""
 
     @property
     @abstractmethod

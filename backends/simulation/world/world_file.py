@@ -31,7 +31,7 @@ Name = Annotated[str, Field(min_length=1, max_length=60)]
 
 
 class FloorPose(FileModel):
-    """Pose on the floor in the world frame, as keys of a world's file; a base class of things with a pose."""
+    """Base class of world-file entries that have a pose on the floor, in the world frame."""
 
     x_m: Coordinate
     y_m: Coordinate
@@ -68,7 +68,10 @@ class Furniture(FloorPose):
 
 
 class Surprise(Furniture):
-    """Obstacle, a box, that no map shows; with times it appears and disappears, as a person does."""
+    """Box-shaped obstacle that no map shows.
+
+    It may appear and disappear at given times, as a person who comes and goes.
+    """
 
     appears_s: Seconds | None = None
     """Simulated time at which it appears (default: present from the start)."""

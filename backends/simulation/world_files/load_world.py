@@ -31,7 +31,9 @@ def load_world(path: Path) -> WorldFile:
 
 
 def load_world_or_map(path: Path, start: Pose2) -> WorldFile:
-    """Return the world of a world's file, or a world of a map alone with the robot at `start` (world_T_base).
+    """Return the world of a world's file, or, given a map's file, a world made of that map's occupied cells.
+
+    In a world made of a map, the robot is at `start` (world_T_base).
 
     Raises:
         FileError: the file, or a map's picture, is missing or invalid.

@@ -54,7 +54,10 @@ def map_of_world(world: WorldFile, height: float, resolution: float) -> GridMap:
 
 
 def shown_solids(world: WorldFile, height: float) -> list[Solid]:
-    """Return the solids of a world, without surprises, that intersect the level plane at a height in [m]."""
+    """Return the solids of a world that a map of it shows, at the height of the map's plane in [m].
+
+    These are the solids that intersect the plane, without surprises (obstacles that no map shows).
+    """
     surprises = {surprise.name for surprise in world.surprises if isinstance(surprise, Surprise)}
     return [solid for solid in solids_of(world) if solid.box.name not in surprises and solid.reaches(height)]
 
