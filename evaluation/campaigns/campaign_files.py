@@ -27,7 +27,8 @@ def checksums(setting: CampaignSetting, task: Task) -> dict[str, str]:
     """Return the SHA-256 of each file that a campaign depends on, by its name as seen from the task.
 
     These are the task's file, all files that it names, directly or through other files, and the file of
-    faults. Runs also depend on the robot's description, walks on the trials from which odds are learned.
+    faults. Trials that run the robot also depend on its description; trials that are random walks depend on
+    the trials from which their probabilities are learned.
 
     Raises:
         FileError: the robot's file is invalid.

@@ -72,7 +72,9 @@ class TrialThere:
 
     @classmethod
     def of(cls, setting: CampaignSetting) -> TrialThere:
-        """Create the function for a setting, with the checksums of the files on this machine.
+        """Create the function that runs a campaign's trials on a cluster.
+
+        It contains the checksums of the files on this machine, to which a worker compares its own files.
 
         Raises:
             FileError: a file is invalid.

@@ -59,7 +59,9 @@ class PlannedFault(FileModel):
         return Fault(FaultKind(self.kind), self.sensor, self.periods, self.speed_m_s, turn)
 
     def instants(self, draw: Random) -> Iterator[float]:
-        """Yield the robot times of the occurrences in order, in [s]; without end for a repeated fault.
+        """Yield the robot times in [s] at which the fault is injected, in ascending order.
+
+        The times go on without end for a repeated fault.
 
         Args:
             draw: random generator for `rate_per_s`.
@@ -83,7 +85,7 @@ class FaultPlan(FileModel):
 
 
 def load_faults(path: Path) -> FaultPlan:
-    """Load a file of faults that are injected into trials.
+    """Load a file that states which faults are injected into trials, and when.
 
     Raises:
         FileError: the file is invalid.

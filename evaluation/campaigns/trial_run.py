@@ -35,7 +35,7 @@ def run_trial(setting: CampaignSetting, seed: int) -> Trial:
 
 
 def run_beside(setting: CampaignSetting, seed: int) -> Trial:
-    """Execute one trial in a process that is one of several: OpenCV uses only one thread."""
+    """Execute one trial in one of several parallel processes, with only one thread for OpenCV."""
     if setting.level == "run":
         import cv2
 
@@ -70,7 +70,7 @@ def _population(setting: CampaignSetting, event: RareEvent, seed: int) -> Trial:
 
 
 def walked_trials(setting: CampaignSetting) -> WalkedTrials:
-    """Return the random walks through the network of actions for a campaign without robot.
+    """Return the random walks through a network of actions that serve as the trials of a campaign.
 
     Raises:
         FileError: the task's file is invalid, or lacks probabilities.

@@ -85,7 +85,11 @@ class Varied(FileModel):
         return self.list
 
     def at(self, share: float) -> float:
-        """Return the value at a quantile of the distribution, list or grid; `share` is from 0 to below 1."""
+        """Return the varied number's value at a quantile of its distribution, or from its list or grid.
+
+        Args:
+            share: quantile, or position in the list or grid, from 0 to below 1.
+        """
         values = self.values()
         if values is not None:
             return values[int(share * len(values))]
@@ -101,7 +105,7 @@ class Varied(FileModel):
 
 
 class Variation(FileModel):
-    """Content of a variations file, with numbers that vary from trial to trial, and their design."""
+    """Content of a variations file, with the numbers that vary between trials and how values are chosen."""
 
     format: Literal["handcart-vary/1"]
     design: Literal["grid", "random", "latin_hypercube"] = "random"
@@ -123,7 +127,7 @@ class Variation(FileModel):
 
         Args:
             seed: seed of the trial, one of `seeds`.
-            seeds: seeds of all trials, over all shards.
+            seeds: seeds of all trials of the campaign, also of those that other machines run.
         """
         if self.design == "grid":
             every = [item.values() or () for item in self.vary]
@@ -171,7 +175,7 @@ def file_of(name: str, task: Task) -> Path:
     """Return the path of a file in which numbers may vary.
 
     Args:
-        name: `task`, `robot` or `world`; the world of a task that names none is in the task's own file.
+        name: `task`, `robot` or `world`; a task that names no file of a world contains the world itself.
         task: the task.
     """
     files = {

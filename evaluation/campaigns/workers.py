@@ -39,7 +39,7 @@ class TrialFault(HandcartError):
 
 
 class Worker:
-    """Worker process that runs trials, and its queue of seeds without a result, the running seed first."""
+    """Worker process that runs trials, with the queue of seeds whose results it still has to send."""
 
     def __init__(self, work: Work) -> None:
         context = get_context("spawn")

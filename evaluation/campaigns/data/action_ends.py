@@ -49,7 +49,10 @@ class ActionEnds(RunObserver):
 
 
 def action_names(task: Task) -> list[str]:
-    """Return a unique name for each action of a task's file: `MOVE_TO (here to there)`, `... #2`."""
+    """Return a unique name for each action of a task's file, such as `MOVE_TO (here to there)`.
+
+    Repeated names get a number: `MOVE_TO (here to there) #2`.
+    """
     plain = [f"{action.do} ({action.source} to {action.target})" for action in task.file.actions]
     seen: Counter[str] = Counter()
     names = []
@@ -62,7 +65,7 @@ def action_names(task: Task) -> list[str]:
 def names_in_network(task: Task) -> dict[int, str]:
     """Return the names of a task's actions by their numbers in its network.
 
-    Actions that only skip an element are not in the task's file and have no name.
+    Actions that only skip an element of a repeated section are not in the task's file and have no name.
     """
     names = action_names(task)
     return {number: names[entry] for number, entry in enumerate(task.entries) if entry is not None}

@@ -116,7 +116,12 @@ class CampaignFolder:
         return self.folder / RUNS
 
     def log(self) -> TrialLog:
-        """Open the log of trials for appending; raises as `TrialLog` does."""
+        """Open the log of trials for appending.
+
+        Raises:
+            CampaignAlive: another process writes the log.
+            TrialLogError: the log cannot be opened, or a line is damaged.
+        """
         return TrialLog(self.folder / TRIALS)
 
     def trials(self) -> TrialFile:

@@ -18,7 +18,7 @@ class NotOneCampaign(InputError):
 
 
 def merged(parts: Sequence[Path], out: Path) -> CampaignFolder:
-    """Write a folder with the trials of all shards, and return it.
+    """Write a folder with the trials of all shards (parts of a campaign that ran separately), and return it.
 
     Args:
         parts: folders of one campaign, each made with another `--shard`.

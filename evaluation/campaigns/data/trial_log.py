@@ -202,7 +202,7 @@ def trial_of(line: bytes) -> Trial | None:
 
 
 def read_offsets(path: Path) -> tuple[dict[int, int], int]:
-    """Return the byte at which each seed's line begins, and the byte after the last complete line.
+    """Return the first byte of each trial's line in a log, by seed, and the end of the last complete line.
 
     Raises:
         TrialLogError: the log cannot be read, or a line before the last one is damaged.

@@ -48,7 +48,7 @@ class WalkedTrials:
         self._kept: tuple[int, Walked] | None = None
 
     def trial(self, seed: int) -> Trial:
-        """Walk through the network with the random numbers of a seed, and return the trial."""
+        """Simulate a run as a random walk through the network, with the random numbers of a seed."""
         number, column = divmod(seed, self.side_by_side)
         return self.trial_of(seed, self.together(number), column)
 
@@ -115,7 +115,7 @@ class WalkedTrials:
 
 
 class WalkedSequence(Sequence[Trial]):
-    """Sequence of the walked trials of a range of seeds; each trial is computed when it is accessed."""
+    """Sequence of the trials of a range of seeds, each a random walk that is computed when it is accessed."""
 
     def __init__(self, trials: WalkedTrials, seeds: range) -> None:
         """Prepare the trials in the order of `seeds`, without walking."""
@@ -135,7 +135,7 @@ class WalkedSequence(Sequence[Trial]):
 
 
 def network_trials(task: Path, settings: Mapping[str, str]) -> WalkedTrials:
-    """Return trials that walk through a task's network of actions, with the probabilities in its file.
+    """Return a source of trials that simulates a task with the probabilities in the task's file.
 
     The file is read again only if it was changed since the last call.
 

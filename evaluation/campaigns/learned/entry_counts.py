@@ -83,7 +83,10 @@ class EntryCounts:
 
     @property
     def by_result(self) -> list[LearnedShare]:
-        """Probability of each result of Success, the usual result first; empty without recorded results."""
+        """Probability of each result that the action returned with Success, the usual result first.
+
+        It is empty without recorded results.
+        """
         counts = self.counts
         rows = zip(counts.by_result, counts.chance.success_shares, counts.result_weights, strict=True)
         return [

@@ -28,7 +28,7 @@ class HeldOut(NamedTuple):
 
 
 class Trust(NamedTuple):
-    """Result of a two-fold cross-validation of learned probabilities, by several predicted quantities."""
+    """Result of a two-fold cross-validation of learned probabilities, one comparison for each prediction."""
 
     tried: tuple[HeldOut, ...]
 

@@ -118,7 +118,7 @@ class Learned:
 
 
 def learned_trials(task: Path, settings: Mapping[str, str], folders: Sequence[Path]) -> WalkedTrials:
-    """Return trials that walk through a task's network, with probabilities learned from campaigns.
+    """Return a source of trials that simulates a task with probabilities learned from campaigns.
 
     The files are read again only if one was changed since the last call.
 

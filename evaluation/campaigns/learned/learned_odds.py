@@ -54,7 +54,8 @@ class LearnedOdds:
 
         Args:
             action: (n,) indices of the actions in the network.
-            context: (n,) code of the action's earlier Fails and of a Fail just before, by `context_of`.
+            context: (n,) code, by `context_of`, of how often the action failed before and whether the walk's
+                latest action failed.
             drawn: (n,) random numbers, uniform in [0, 1).
         """
         entry = self._entry[action]
@@ -68,7 +69,8 @@ class LearnedOdds:
 
         Args:
             action: (n,) indices of the actions in the network.
-            context: (n,) code of the action's earlier Fails and of a Fail just before, by `context_of`.
+            context: (n,) code, by `context_of`, of how often the action failed before and whether the walk's
+                latest action failed.
             ends: (n,) how the actions end, as an `EndCode`.
             drawn: (n,) random numbers, uniform in [0, 1).
         """

@@ -26,7 +26,7 @@ class SeenActions(NamedTuple):
     entry: IntArray
     """(m,) index of the action in the task's file."""
     context: IntArray
-    """(m,) code of the action's earlier Fails and of a Fail just before, by `context_of`."""
+    """(m,) code, by `context_of`, of how often the action failed before and whether the latest action did."""
     end: IntArray
     """(m,) end of the action, as `EndCode`."""
     seconds: FloatArray

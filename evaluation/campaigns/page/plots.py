@@ -20,7 +20,7 @@ _SLACK = 1e-9  # of a step
 
 @dataclass(frozen=True)
 class PlotAxis:
-    """Horizontal axis of a plot, from the smallest to the largest value, with a width in [px]."""
+    """Horizontal axis of a plot, from its smallest to its largest value, with a width in [px]."""
 
     least: float
     most: float

@@ -99,7 +99,7 @@ def constant(values: FloatArray) -> bool:
 
 
 def short(value: float) -> str:
-    """Return a number with five digits; an empty text for NaN."""
+    """Return a finite number as text with at most five significant digits; an empty text for others."""
     return f"{value:.5g}" if math.isfinite(value) else ""
 
 

@@ -70,7 +70,7 @@ class LevelStop(RunObserver):
 
     @property
     def near(self) -> bool:
-        """True if the run's importance has reached the level at which it is stopped."""
+        """True if the run's importance (its nearness to the rare outcome) has reached the level."""
         return importance_of(self.used, self._importance) >= self._level
 
 

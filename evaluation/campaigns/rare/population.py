@@ -10,7 +10,7 @@ from handcart.robotics.numerics.arrays import IndexArray
 
 
 class Level(NamedTuple):
-    """Counts of the runs that started at one level of multilevel splitting, by how they ended."""
+    """Counts of the runs that started at one level of multilevel splitting, by how these runs ended."""
 
     runs: int
     reached: int

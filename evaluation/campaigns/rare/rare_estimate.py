@@ -37,7 +37,10 @@ class LevelSeen(NamedTuple):
 
     @property
     def unseen(self) -> float:
-        """Upper bound (95 %) of the contribution of a level without a rare outcome; 0 for other levels."""
+        """Upper bound (95 %) of what a level without a rare outcome contributes to the outcome's probability.
+
+        It is 0 for a level at which a run had the rare outcome.
+        """
         return (
             0.0 if self.hits else self.share * -math.expm1(math.log(INTERVAL_ERROR_RATE) / max(1, self.runs))
         )
@@ -45,7 +48,7 @@ class LevelSeen(NamedTuple):
 
 @dataclass(frozen=True)
 class RareEstimate:
-    """Estimate of the probability of a rare outcome from independent populations."""
+    """Estimate of the probability of a rare outcome from independent populations of simulated runs."""
 
     probability: float
     low: float | None
@@ -62,7 +65,7 @@ class RareEstimate:
 
     @classmethod
     def of(cls, trials: Iterable[Trial]) -> RareEstimate:
-        """Compute the estimate from a campaign's trials; without any trial the probability is 0."""
+        """Estimate the probability of a rare outcome from a campaign's trials; without any trial it is 0."""
         populations = [
             Population(tuple(Level(*level) for level in trial.summary["metrics"]["levels"]))
             for trial in trials
@@ -79,12 +82,18 @@ class RareEstimate:
 
     @property
     def unseen(self) -> float:
-        """Largest upper bound (95 %) of the contribution of a level in which no run had the rare outcome."""
+        """Largest upper bound (95 %), over all levels that had no rare outcome, of a level's contribution.
+
+        The contribution is to the probability of the rare outcome; 1 without any level.
+        """
         return max((level.unseen for level in self.levels), default=1.0)
 
     @property
     def worth(self) -> float:
-        """Number of trials without splitting that would give the same standard error; 0 if unknown."""
+        """Number of trials without splitting that would give the probability with the same standard error.
+
+        It is 0 if no standard error is known.
+        """
         if not self.probability or not 0.0 < self.sigma < math.inf:
             return 0.0
         return self.probability * (1.0 - self.probability) / self.sigma**2
@@ -95,16 +104,20 @@ class RareEstimate:
         return self.steps / self.steps_of_a_run if self.steps_of_a_run else 0.0
 
     def agrees(self, exact: float) -> bool:
-        """Return whether the estimate is consistent with an exact value."""
+        """Return whether an exact value is within the estimate's 95 % interval.
+
+        Without an interval, return whether it is at most the upper bound.
+        """
         if self.low is None or self.high is None:
             return exact <= self.probability + self.unseen
         return self.low <= exact <= self.high
 
 
 def interval(mean: float, sigma: float, count: int) -> tuple[float, float] | None:
-    """Return the 95 % interval of a positive mean: Student's, of its logarithm, by the delta method.
+    """Return the 95 % interval of a positive mean, by Student's t distribution of the mean's logarithm.
 
-    A probability that is a product of shares is skewed, its logarithm less so.
+    A probability that is a product of shares has a skewed distribution; that of its logarithm is less skewed.
+    The standard error of the logarithm follows by the delta method.
 
     Args:
         mean: mean of independent estimates.

@@ -18,7 +18,7 @@ MAX_RUNS = 1_000_000
 
 
 class NoRareEvent(InputError):
-    """Error for a requested rare event that is not an outcome of a run; raised before any run."""
+    """Error for an estimate of a rare event with invalid settings; raised before any run."""
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,9 @@ _WALKED, _RUN = 21, 22  # separate these random streams from others with the sam
 
 
 def walked_population(trials: WalkedTrials, event: RareEvent, seed: int) -> Trial:
-    """Run a population of walks through a network by multilevel splitting, and return it as one trial.
+    """Estimate a rare event's probability with random walks through the network, by multilevel splitting.
+
+    All walks together are returned as one trial.
 
     Args:
         trials: network and probabilities of the walks.
@@ -44,12 +46,12 @@ def run_population(task: Path, runs: Path, options: RunOptions, event: RareEvent
         runs: folder for the runs' folders; those of some hits are kept.
         options: options of the runs; `interrupts` must be set.
         event: the rare event.
-        seed: seed of the population; its first runs have the `event.runs` seeds from `seed *
-            event.runs` on.
+        seed: seed of the population; the runs of its first level have the seeds from `seed * event.runs` to
+            `(seed + 1) * event.runs - 1`.
 
     Raises:
         KeyboardInterrupt: the population was interrupted.
-        BrokenRun: a run ended in a way that cannot be counted.
+        BrokenRun: a run crashed or was stopped from outside.
         HandcartError: a run cannot be executed.
     """
     draws = np.random.default_rng([_RUN, seed % 2**64])
@@ -62,7 +64,7 @@ def run_population(task: Path, runs: Path, options: RunOptions, event: RareEvent
 
 
 def stopped(seed: int) -> Trial:
-    """Return the trial of an interrupted population, which does not count."""
+    """Return a trial with outcome Cancelled for a population that was interrupted."""
     from handcart.networks.coordination.supervision import INTERRUPTED_REASON
 
     summary = {

@@ -26,11 +26,11 @@ MAX_KEPT_RUNS = 10
 
 
 class BrokenRun(HandcartError):
-    """Error for a run that ended by a fault or was stopped, so that its population does not count."""
+    """Error for a simulated run that crashed or was stopped from outside, which ends the splitting."""
 
 
 class Stopped(NamedTuple):
-    """Run that was stopped at a level, with its folder and seed from which other runs continue."""
+    """Run that was stopped on reaching a level of importance, from which other runs are continued."""
 
     folder: Path
     seed: SplitSeed

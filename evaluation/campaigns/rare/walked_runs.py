@@ -15,7 +15,7 @@ from .rare_event import RareEvent
 
 
 class WalkedRuns:
-    """Walks through a task's network that can be stopped at a level of importance and continued from it."""
+    """Random walks through a task's network, which can be stopped at a level of importance and continued."""
 
     def __init__(
         self, network: ActionNetwork, walker: Walker, event: RareEvent, draws: np.random.Generator
@@ -34,7 +34,7 @@ class WalkedRuns:
         self._after_fail = self._skipped = np.zeros(0, dtype=bool)
 
     def advance(self, level: int, starts: IndexArray | int) -> Level:
-        """Continue walks until they end or reach a level, and keep their states at the level.
+        """Continue random walks until they end or reach a level, and keep their states at the level.
 
         Args:
             level: importance at which the walks are stopped, from 1.

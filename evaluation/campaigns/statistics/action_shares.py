@@ -9,7 +9,10 @@ from .intervals import wilson
 
 @dataclass(frozen=True)
 class ActionShare:
-    """Counts of the outcomes of one action's attempts; all elements of a repeated section count together."""
+    """Counts of Success, Fail and GiveUp of one action, over all its attempts.
+
+    An action in a repeated section of a task counts once, with the attempts of all its repetitions.
+    """
 
     action: str
     """Name from the task file: `MOVE_TO (loaded to there)`."""

@@ -111,7 +111,7 @@ class Settling:
         return settling
 
     def words(self) -> str:
-        """Return the verdict on the claim, and the trials counted for it, as text."""
+        """Return as text whether the claim about the success rate holds, and how many trials decided it."""
         if self.verdict is None:
             return f"{self.claim}: {self.count} trials are not enough to be sure"
         return f"{self.claim}: {'yes' if self.verdict else 'no'}, sure after {self.count} trials"

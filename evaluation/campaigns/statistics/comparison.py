@@ -57,7 +57,7 @@ class MetricChange:
 
 @dataclass
 class Parting:
-    """Pairs of trials with one kind of first different action, in which only one trial succeeded."""
+    """Pairs of trials in which only one trial succeeded, and whose actions first differ in the same way."""
 
     times: int = 0
     seeds: list[int] = field(default_factory=list)

@@ -19,7 +19,7 @@ class Divergence:
     other: ActionEnd | None
 
     def words(self, one: str, other: str) -> str:
-        """Describe the difference, with the names of the two runs."""
+        """Describe in which action two runs first differ, and how, with the names of the two runs."""
         return f"differs first in action {self.number}: {one} {_said(self.one)}; {other} {_said(self.other)}"
 
     @property

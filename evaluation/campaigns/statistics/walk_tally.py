@@ -17,7 +17,7 @@ from .tally import WORST_TRIAL_COUNT, Blame, Tally, in_general, outcome_in_gener
 
 
 class WalkTally(Tally):
-    """Counts of many walks, equal to the counts of their trials, without creating the trials."""
+    """Statistics of many random walks through a network, without storing each walk as a trial."""
 
     def __init__(self, trials: WalkedTrials, seeds: range) -> None:
         """Prepare counts for consecutive seeds."""
@@ -30,7 +30,7 @@ class WalkTally(Tally):
             self.columns[name] = array("d")
 
     def count_all(self) -> Generator[int, None, None]:
-        """Draw and count the walks of all seeds in batches; yield the size of each counted batch."""
+        """Draw the random walks of all seeds through the network in batches; yield the size of each batch."""
         size = self.trials.side_by_side
         for number in range(self._seeds[0] // size, self._seeds[-1] // size + 1):
             first = max(self._seeds[0], number * size)

@@ -35,7 +35,8 @@ class FileOdds:
 
         Args:
             action: (n,) indices of the actions in the network.
-            context: (n,) code of the action's earlier Fails and of a Fail just before; not used.
+            context: (n,) code of how often the action failed before and whether the walk's latest action
+                failed; not used.
             drawn: (n,) random numbers, uniform in [0, 1).
         """
         ends = np.full(len(action), EndCode.FAIL, dtype=np.int8)

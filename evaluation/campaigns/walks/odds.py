@@ -11,7 +11,7 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray, Int8Array, 
 
 
 class EndCode(IntEnum):
-    """Code of how an action ended, by Success, Fail, permanent Fail or GiveUp."""
+    """Code of how an action on a random walk ended, such as by Success, a Fail or GiveUp."""
 
     SUCCESS = 0
     FAIL = 1
@@ -35,7 +35,8 @@ class Odds(Protocol):
 
         Args:
             action: (n,) indices of the actions in the network.
-            context: (n,) code of the action's earlier Fails and of a Fail just before, by `context_of`.
+            context: (n,) code, by `context_of`, of how often the action failed before and whether the walk's
+                latest action failed.
             drawn: (n,) random numbers, uniform in [0, 1).
         """
 
@@ -46,14 +47,15 @@ class Odds(Protocol):
 
         Args:
             action: (n,) indices of the actions in the network.
-            context: (n,) code of the action's earlier Fails and of a Fail just before, by `context_of`.
+            context: (n,) code, by `context_of`, of how often the action failed before and whether the walk's
+                latest action failed.
             ends: (n,) how the actions end, as an `EndCode`.
             drawn: (n,) random numbers, uniform in [0, 1).
         """
 
     @property
     def rest_s(self) -> float:
-        """Time that a walk takes in addition to its actions, in [s]."""
+        """Time that a random walk takes in addition to the durations of its actions, in [s]."""
 
 
 MOST_FAILS = 2

@@ -22,7 +22,7 @@ class NotWalked(InputError):
 
 
 class Columns(NamedTuple):
-    """Table of the planned action and the next states of each coordinator state, as one array a column.
+    """Table of a coordinator's states, with the planned action and the next states of each, by columns.
 
     The arrays are (states,). The row of a state is undefined until a walk has reached that state.
     """
@@ -41,7 +41,7 @@ class Columns(NamedTuple):
 
 
 class WalkTable:
-    """Table of the coordinator's decisions in a network, for walks without a robot.
+    """Table of the coordinator's decisions in each state of a network, for random walks without a robot.
 
     A decision is computed when a walk first reaches the state in which it is made.
 
@@ -68,7 +68,7 @@ class WalkTable:
         self.start = self.first(np.array([start], dtype=np.int32))[0]
 
     def columns(self) -> Columns:
-        """Return the columns of all states known so far; a later call may return more."""
+        """Return the table's columns for all states computed so far; a later call may return more rows."""
         if self._columns is None:
             columns = np.array(self._rows, dtype=np.int32).reshape(-1, 6).T
             action, fails, following, after_fail, for_good, skip = columns
@@ -76,14 +76,14 @@ class WalkTable:
         return self._columns
 
     def first(self, states: Int32Array) -> Int32Array:
-        """Plan the next action in each of n states; return the numbers of the states with the plan.
+        """Plan the next action in each of n states of the table.
 
         Args:
             states: (n,) numbers of states in the table.
 
         Returns:
-            (n,) numbers of states in which the action is planned; `GOAL` at the goal, `NO_WAY` without a
-            route to it.
+            (n,) the numbers of the states themselves; `GOAL` in place of a state at the goal, `NO_WAY` in
+            place of a state without a route to it.
         """
         for number in set(states.tolist()):
             if self._first[number] is None:

@@ -40,12 +40,15 @@ class Walked(NamedTuple):
 
     @property
     def success(self) -> BoolArray:
-        """Mask (n,) of the walks that reached the goal and skipped no element of a repeat."""
+        """Mask (n,) of the walks that reached the goal without skipping an element of a repeated section."""
         return np.asarray((self.last == GOAL) & ~self.skipped)
 
 
 class Stride(NamedTuple):
-    """Next action of each of n walks, with its outcome, duration and next state; all arrays are (n,)."""
+    """Next action of each of n random walks through a network, with its outcome, duration and next state.
+
+    All arrays are (n,).
+    """
 
     action: Int32Array
     fails: Int32Array
@@ -61,7 +64,7 @@ class Stride(NamedTuple):
 
 
 class Walker:
-    """Simulator of walks through a network, with actions by the coordinator's rules and random outcomes."""
+    """Simulator of random walks through a network, with the coordinator's choice of each action."""
 
     def __init__(self, table: WalkTable, odds: Odds) -> None:
         """Walk in a network's table, which several walkers may share."""
@@ -69,7 +72,10 @@ class Walker:
 
     @property
     def start(self) -> int:
-        """Number of the state in which each walk starts; `GOAL` or `NO_WAY` if no walk is possible."""
+        """Number of the state, in the table of states, in which each random walk starts.
+
+        It is `GOAL` or `NO_WAY` if no walk is possible.
+        """
         return int(self._table.start)
 
     def walk(self, draws: np.random.Generator, count: int) -> Walked:
