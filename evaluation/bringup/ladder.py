@@ -47,7 +47,10 @@ class UnknownRung(InputError):
 
 
 class BenchFirst(InputError):
-    """Error for a step that has not passed on the bench with the current version of the robot's file."""
+    """Error for a bring-up step that must first pass on the bench, with simulated drives.
+
+    It has to pass there with the current version of the robot's file.
+    """
 
     def __init__(self, rung: str, robot: str, backend: str) -> None:
         words = robot if backend == CanBackend.name else f"{robot} --{backend}"
@@ -91,13 +94,13 @@ class Ladder:
         return self.rungs[done] if done < len(self.rungs) else None
 
     def climb(self, tell: Callable[[str], None] = lambda _: None) -> RungRecord:
-        """Run the next step and record it, passed or failed; there has to be a next step.
+        """Run the next step of the bring-up and record it, passed or failed; there has to be a next step.
 
         Args:
             tell: receives number, name and summary of the step before it runs.
 
         Raises:
-            BenchFirst: the step has not passed on the bench.
+            BenchFirst: the step has not passed on the bench, that is with simulated drives.
             InputError: an input of the step is missing, or a question was not answered.
         """
         rung = self.next

@@ -114,7 +114,7 @@ class Site(RobotSite):
 
     @contextmanager
     def line(self) -> Iterator[tuple[CanLine, list[can.Message]]]:
-        """Yield the CAN bus, no node of which is configured yet, and a growing list of received frames."""
+        """Yield the open CAN bus before any node is configured, and a growing list of the received frames."""
         came: list[can.Message] = []
 
         def heard(frame: can.Message, sent: bool) -> None:

@@ -102,7 +102,10 @@ class KitSetting:
 
     @cached_property
     def rehearsals(self) -> tuple[Rehearsal, ...]:
-        """Runs of `tasks` for the injection of faults, with shorter settings where a domain declares them."""
+        """Runs of the kit's tasks into which faults are injected.
+
+        Where an application domain declares settings for a shorter run of a task, these are used.
+        """
         short = declared()
         return tuple(
             Rehearsal(
@@ -123,7 +126,7 @@ class KitSetting:
 
     @cached_property
     def left_out(self) -> dict[str, str]:
-        """Reasons why faults are not injected into some primitives on this backend, by primitive name."""
+        """Primitives of the kit's tasks into which no faults are injected, each with the reason."""
         if self.own_tasks:
             return {}
         backend, tried = self.simulated or self.backend, self.tried()

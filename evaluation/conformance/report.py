@@ -93,18 +93,21 @@ class KitReport:
 
     @property
     def wrong_causes(self) -> list[FaultTrial]:
-        """Trials of `judged_causes` that named a cause which their fault does not have."""
+        """Trials with an injected fault whose Fail or GiveUp named a cause which this fault does not have."""
         return [trial for trial in self.judged_causes if not trial.names_its_cause]
 
     @property
     def causes_hold(self) -> bool:
-        """True if enough of the judged trials name a cause of their fault, or if too few were judged."""
+        """True if enough of the Fails and GiveUps name a cause of the injected fault (`MIN_CAUSE_SHARE`).
+
+        It is also True if fewer than `MIN_JUDGED_CAUSES` Fails and GiveUps could be judged.
+        """
         judged = len(self.judged_causes)
         return judged < MIN_JUDGED_CAUSES or len(self.wrong_causes) <= (1.0 - MIN_CAUSE_SHARE) * judged
 
     @property
     def planted(self) -> list[Caught]:
-        """Results of the mutants that could be tried on this robot, which has the needed parts."""
+        """Results of the mutants that could be tried on this robot; others need parts that it lacks."""
         return [mutant for mutant in self.mutants if not mutant.skipped]
 
     @property
@@ -114,7 +117,10 @@ class KitReport:
 
     @property
     def ok(self) -> bool:
-        """True if all checks and tasks pass and faults, causes, mutants and jobs show no violation."""
+        """True if the kit found no violation, every check and task passed, and every mutant was found.
+
+        It is False as well if a job could not be run, or if too few Fails named a cause of their fault.
+        """
         looked_at = (*self.checks, *self.tasks)
         wrong = self.violations or self.missed or self.broken or not self.causes_hold
         return not wrong and all(item.ok for item in looked_at)

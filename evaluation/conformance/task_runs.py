@@ -90,7 +90,8 @@ def task_runs(
         backend: name of the tested backend.
         seeds: number of seeds, from 0.
         settings: values of the tasks' parameters, by name.
-        simulated: simulated backend behind the drives or topics of `backend`; None: it needs none.
+        simulated: name of the simulated backend that answers the drives or topics of `backend`; None:
+            `backend` needs no simulation.
     """
     backends = dict.fromkeys((backend, REFERENCE_BACKEND))
     return [

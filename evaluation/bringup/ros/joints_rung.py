@@ -51,7 +51,7 @@ class JointTrial(NamedTuple):
 
 
 class JointsRung(Rung[RosSite]):
-    """Bring-up step that moves each joint a little, and compares command, reading and visible motion."""
+    """Bring-up step that moves each joint a little, and compares command, reading and the motion seen."""
 
     name = "joints"
     summary = "each joint a little: command, joint_states and what is seen agree in sign, size and time"
@@ -166,7 +166,7 @@ def nudge(site: RosSite, backend: RosBackend, number: int, way: float, held: Hel
 
 
 class JointLag:
-    """Lag of a joint's reading behind its command, in periods, measured at a small motion."""
+    """Lag of a joint's measured position behind its command, in control periods, seen at a small motion."""
 
     def __init__(self, passed: float) -> None:
         """Prepare to detect a motion by `passed`, in [rad] or [m], in either direction."""
@@ -188,8 +188,8 @@ class JointLag:
     def periods(self) -> float:
         """Return the lag in periods, at least 0.
 
-        NaN if the reading has not moved by `passed` yet, and if it was ahead of the command: then something
-        else moved it, such as an earlier command.
+        NaN if the joint has not moved far enough yet, or if it moved before the command. In this case
+        something else moved it, such as an earlier command.
         """
         if not math.isfinite(self._read) or self._is_moved_otherwise:
             return math.nan

@@ -35,7 +35,7 @@ class CheckResult:
             self.wrong.append(words)
 
     def at_most(self, what: str, size: float, most: float, unit: str = "") -> None:
-        """Record a measured size, and a violation unless it is at most a limit; NaN is a violation.
+        """Record a measured size, and report a violation if it is NaN or larger than a limit.
 
         Args:
             what: name of the size, as text.

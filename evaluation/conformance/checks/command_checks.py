@@ -99,7 +99,7 @@ def after_a_step(bench: KitBench, finding: CheckResult) -> None:
 
 
 def one_period(bench: KitBench, finding: CheckResult) -> None:
-    """Check that a command is valid for one period: not renewed, the base stops, arm and gripper hold."""
+    """Check that without a new command the base stops after one period, and arm and gripper hold still."""
     with bench.rig() as rig:
         backend = rig.backend
         for _ in range(SETTLING_PERIODS):

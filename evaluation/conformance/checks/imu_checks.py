@@ -23,7 +23,7 @@ TURN_RATE, PERIODS = 0.4, 30  # [rad/s]
 
 
 def imu(bench: KitBench, finding: CheckResult) -> None:
-    """Check the IMU: at rest +9.81 m/s² along z, turning left a positive rate about z, in [rad/s]."""
+    """Check that the IMU reads +9.81 m/s² along z at rest, and positive rates about z when turning left."""
     spec = bench.spec().imu
     with bench.rig() as rig:
         unit, backend = needed(rig.backend, Imu), rig.backend

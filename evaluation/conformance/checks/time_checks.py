@@ -34,7 +34,7 @@ CLOCK_JUMP_S = 1e6  # [s] by which a clock is put forward at each look
 
 
 def period(bench: KitBench, finding: CheckResult) -> None:
-    """Check that a step lasts one period of the robot's file, by the distance driven in N steps."""
+    """Check that a step lasts one period of the robot's file, by the distance driven in 40 steps."""
     spec = bench.spec()
     with bench.rig() as rig:
         backend, count, speed = rig.backend, 40, 0.2

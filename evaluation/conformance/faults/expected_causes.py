@@ -50,7 +50,7 @@ FALSIFIED_KINDS = (FaultKind.STALE, FaultKind.NAN)
 def expected_causes(fault: Fault) -> tuple[str, ...]:
     """Return the causes that a Fail or GiveUp after a fault may name; empty if any cause is allowed.
 
-    Faults of an application domain's world declare their causes themselves.
+    A fault that an application domain declares has its own list of causes.
     """
     found = fault.causes or CAUSES_OF_FAULTS.get(fault.kind, ())
     if fault.kind in FALSIFIED_KINDS:

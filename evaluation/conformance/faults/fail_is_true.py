@@ -100,11 +100,11 @@ class Batch:
                 yield FaultTrial(name, self.action, period, *words, ending, expected)
 
     def faults(self, name: str, number: int, sensors: Sequence[str]) -> list[Fault]:
-        """Return the faults to inject at one instant: one of each kind, and all of the primitive's domain.
+        """Return the faults to inject at one instant: one of each general kind, and those of the domain.
 
         Args:
-            name: name of the primitive.
-            number: number of the instant; it selects the variant of each kind.
+            name: name of the primitive, whose application domain may declare faults of its own.
+            number: number of the instant; it selects one variant of each kind, such as the affected sensor.
             sensors: sensors that may be affected.
         """
         own = faults_of(name) if self.kinds == PRIMITIVE_FAULTS else ()

@@ -75,7 +75,7 @@ class FaultyBackend(LayeredBackend):
             base.drive(math.copysign(SLIDING_SPEED_M_S, fault.turn_rate), 0.0)
 
     def stay(self) -> bool:
-        """End an injected slip of the base; return whether the base has slid in the last periods.
+        """End an injected slip of the base; return whether the base slid in the latest periods.
 
         A stuck arm or gripper no longer catches up with its goal, so that the fault moves nothing more.
         """
@@ -196,7 +196,11 @@ class FaultyBackend(LayeredBackend):
     # Readings
 
     def base_wheel_travel(self, base: Base) -> WheelTravel:
-        """Return the wheels' travel with the fault's slip: too much if driven, none if the base slides."""
+        """Return the wheels' travel, falsified if the injected fault is a slip.
+
+        During a slip, driven wheels report more travel than the base moves; a base that slides without a
+        command reports no travel.
+        """
         return WheelTravel(*np.add(base.wheel_travel(), self._hidden))
 
     def _read(self, reading: Reading, name: tuple[Kind, str], take: Callable[[], Any]) -> Any:

@@ -85,14 +85,14 @@ class Rehearsal:
 
 @dataclass(frozen=True)
 class Solo:
-    """Run of a single primitive from the robot's start, into which faults are injected."""
+    """Run of only one primitive, without a task, from the robot's start pose; faults are injected into it."""
 
     bench: KitBench
     primitive: ActionPrimitive
     seed: int = 0
 
     def attempts(self) -> Iterator[tuple[int, str, Underway]]:
-        """Yield the attempt of the primitive, with number 0, as `Rehearsal.attempts` does."""
+        """Yield 0, the primitive's name, and an attempt of the primitive that has not started yet."""
         with self.bench.rig(self.seed) as rig:
             faulty = FaultyBackend(rig.backend)
             robot = self.bench.around(rig, faulty).robot
@@ -102,9 +102,10 @@ class Solo:
 
 
 def rehearsed(task: Task) -> list[Action]:
-    """Return the actions of a task's cheapest plan, and before each the actions that only compute there.
+    """Return the actions of a task's cheapest plan, with computing actions inserted.
 
-    An action that only computes moves nothing and begins in the same situation as an action of the plan.
+    A computing action, such as one that plans, moves nothing. It is inserted before an action of the plan if
+    it begins in the situation from which this action starts or in which it ends with Fail.
     """
     network = task.network
     plan = Planner(network).plan(network.start)

@@ -45,12 +45,13 @@ def task_violations(
 ) -> list[str]:
     """Return the violations that are found when a faulty primitive is cancelled in a task.
 
-    The primitive is cancelled at several instants; the violations are those of the first with any.
+    The primitive is cancelled at several instants, in one run each; the violations are those of the first
+    such run that has any.
 
     Args:
         task: file of the task in which the mutant replaces a primitive.
         name: name of the replaced primitive in the file.
-        number: number of the tried action.
+        number: number of the action in which the primitive is cancelled.
         kind: class of the faulty primitive.
         bench: bench whose backend runs the task.
     """

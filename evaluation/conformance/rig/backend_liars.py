@@ -48,7 +48,7 @@ class KeepsDriving(LayeredBackend):
         self.inner.step()
 
     def stop(self) -> None:
-        """Forget the last command of the base, then stop."""
+        """Stop the base, and no longer repeat its last command in later periods."""
         self._command = (0.0, 0.0)
         self.inner.stop()
 
@@ -107,7 +107,7 @@ def _try(command: Callable[[], None]) -> None:
 
 
 class MovesAtOnce(LayeredBackend):
-    """Mutant backend whose base commands take effect without a step."""
+    """Mutant backend whose base moves as soon as it is commanded, without waiting for the next step."""
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)

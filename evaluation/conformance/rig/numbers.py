@@ -25,7 +25,7 @@ def as_numbers(reading: Any, measured: tuple[str, ...] = ()) -> FloatArray | Non
 
 
 def broken(reading: Any, measured: tuple[str, ...] = ()) -> Any:
-    """Return a copy of a sensor's reading as of a broken sensor: NaN for values, black for a picture."""
+    """Return the reading that a sensor would give if it were broken: NaN values, or a black picture."""
     match reading:
         case tuple():
             fields = {name: broken(field) for name, field in _fields(reading, measured).items()}

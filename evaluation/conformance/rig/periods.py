@@ -49,7 +49,14 @@ def drive(backend: Backend, speed: float, turn_rate: float, periods: int, sidewa
 
 
 def driven(backend: Backend, speed: float, turn_rate: float, periods: int) -> tuple[float, float]:
-    """Drive as `drive` does; return the travel of the left and the right wheel, in [m]."""
+    """Drive with constant speeds, then stop, and return the left and the right wheel's travel, in [m].
+
+    Args:
+        backend: backend of the base.
+        speed: speed ahead, in [m/s].
+        turn_rate: turn rate to the left, in [rad/s].
+        periods: number of periods to drive.
+    """
     base = needed(backend, Base)
     before = base.wheel_travel()
     drive(backend, speed, turn_rate, periods)
@@ -148,6 +155,6 @@ def noisy_readings(backend: Backend) -> set[str]:
 
 
 def reading_name(part: Capability, method: str) -> str:
-    """Return the name of a reading for messages, capability and method, such as "arm joints"."""
+    """Return the name of a reading for messages, made of capability and method, such as "arm joints"."""
     kind = next((capability for capability in all_capabilities() if isinstance(part, capability)), type(part))
     return f"{kind.words()} {method}"
