@@ -66,7 +66,7 @@ def write_activity(definition: Definition, room: Room, folder: Path, robot: str)
 
 
 def floor_levels(room: Room) -> list[tuple[Piece, FurnitureLevel]]:
-    """Return the areas of the floor that carry things, each with its floor or the furniture behind it."""
+    """Return the areas of the floor that carry things, each with the piece of furniture it belongs to."""
     return [(piece, level) for piece in room.pieces for level in piece.levels() if level.height <= 0.0]
 
 

@@ -76,7 +76,7 @@ class Piece:
     """Number of parts of the area `front`."""
 
     def parts(self) -> Iterator[FurniturePart]:
-        """Yield the solid boxes of the piece; a box that carries things is named as its upper surface."""
+        """Yield the solid boxes of the piece; a box that carries things has the name of its upper surface."""
         width, depth, height = self.entry.size_m
         for level in self.levels():
             if level.thickness > 0.0:
@@ -101,7 +101,7 @@ class Piece:
             yield FurniturePart(f"{self.name}_back", 0.0, back, (inner, WALL_M, self._opening), self._board)
 
     def levels(self) -> Iterator[FurnitureLevel]:
-        """Yield the surfaces of the piece, divided into parts that the arm serves from one place each."""
+        """Yield the surfaces of the piece, in parts that the arm can each reach from one base pose."""
         width, depth, height = self.entry.size_m
         if self.front is not None:
             yield from self._before()

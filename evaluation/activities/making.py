@@ -23,7 +23,7 @@ from .thing_table import CarriedEntry
 
 @dataclass(frozen=True)
 class MadeActivity:
-    """An activity whose files were written."""
+    """An activity whose files were written, with its room, the folder, and how much things were narrowed."""
 
     definition: Definition
     room: Room

@@ -120,13 +120,13 @@ def place_pieces(
     names: Mapping[str, str],
     things: Mapping[str, CarriedEntry],
 ) -> PlacedPieces:
-    """Return the furniture of an activity along two walls, north first.
+    """Arrange the furniture of an activity along the north and the south wall of a room.
 
     Args:
         definition: the activity.
         relations: where things are, and where they go.
-        names: names of the furniture, by term.
-        things: sizes of the carried things, by term.
+        names: names of the furniture, by its term in BDDL.
+        things: entries with the sizes of the carried things, by term.
 
     Raises:
         FileError: things are on more than two floors, or a table is too narrow for what is on it.

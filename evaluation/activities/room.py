@@ -38,7 +38,7 @@ class Room:
 
     @property
     def home(self) -> Pose2:
-        """Start pose of the base."""
+        """Start pose of the base on the room's map."""
         return Pose2(self.width / 2, DEPTH_M / 2, 0.0)
 
 

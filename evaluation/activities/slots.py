@@ -53,8 +53,9 @@ def slots_on(
     Args:
         definition: the activity.
         piece: the furniture.
-        kind: relation of the levels to use, such as `ontop`.
-        here: relations of the things at the piece, at first or at the end.
+        kind: relation of the things to the piece, which selects its surfaces: `ontop` for the top, `inside`
+            for the inside.
+        here: relations of the things at the piece, either initially or finally.
         sizes: sizes of the things, by term.
     """
     slots: dict[ThingRelation, ThingSlot] = {}
@@ -91,7 +92,9 @@ def least_gap(piece: Piece) -> float:
 
 
 def next_gap(one: CarriedEntry, other_size: Sequence[float]) -> float:
-    """Return a gap in [m] at which two things count as next to each other: 75 % of the largest such gap.
+    """Return a gap in [m] at which two things surely count as next to each other.
+
+    It is 75 % of the largest gap at which they do.
 
     Args:
         one: size of one thing.

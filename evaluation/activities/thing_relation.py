@@ -30,7 +30,7 @@ class ThingRelation(NamedTuple):
 
 
 def entry_of(definition: Definition, term: str) -> CarriedEntry | FurnitureEntry | None:
-    """Return the size of a thing; None if its category is unknown."""
+    """Return the entry with the size of a thing or piece of furniture; None if its category is unknown."""
     category, table = definition.category(term), thing_table()
     return table.carried.get(category) or table.furniture.get(category)
 

@@ -51,5 +51,5 @@ class ThingTable(FileModel):
 
 @cache
 def thing_table() -> ThingTable:
-    """Return the table of things that is shipped with handcart."""
+    """Return handcart's table of the categories of things and furniture, with their sizes."""
     return load(TABLE_PATH, ThingTable)

@@ -51,9 +51,7 @@ class BlockNotes:
 
 
 class BlockSurvey(Survey):
-    """Survey that records the base's true attitude when blocks are gripped and released, and the blocks'
-    errors.
-    """
+    """Survey of the blocks' position errors, and of the base's true attitude at each grip and release."""
 
     name = "blocks"
     effects = BLOCK_EFFECTS

@@ -29,7 +29,9 @@ block.
 
 
 def block_facts(task: Task) -> dict[str, Any]:
-    """Describe which blocks the arm reaches from each of the base's stops, places located by a landmark.
+    """Describe which blocks the arm reaches from each stop of the base in a stacking task.
+
+    At a stop, the base is located by a landmark.
 
     Returns:
         A text for each stop, by `stop NAME`; empty for a task that handles no blocks. If the robot cannot

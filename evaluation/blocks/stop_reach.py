@@ -71,7 +71,7 @@ class StopReach:
         return StopPlacer(self.placer, [partial(self._sight, mark) for mark in landmarks])
 
     def goal(self, place: LevelPose) -> Goal:
-        """Return the poses that the hand has to reach at a block: the approach from above, and a view of it.
+        """Return the hand poses for approaching a block from above, and those with the camera above it.
 
         Args:
             place: pose of the block, on the map.

@@ -31,7 +31,7 @@ MIN_STOP_GAIN = 0.3  # scores of blocks that one more stop has to gain
 
 
 class NamedStop(NamedTuple):
-    """Place at which the base stops to fetch or lay blocks, with its landmark and its reach score."""
+    """Place at which the base stops to fetch or lay blocks, with scores of how well the arm reaches them."""
 
     name: str
     pose: Pose2
@@ -48,7 +48,7 @@ class NamedStop(NamedTuple):
     """Distance from the base's middle to the nearest obstacle, in [m]."""
 
     def words(self) -> str:
-        """Describe the stop in one line."""
+        """Return a line of text with the stop's name, pose, blocks, scores and clearance."""
         x, y, turn = self.pose
         blocks = f"blocks {self.numbers[0]} to {self.numbers[-1]}"
         stands = f"({x:.2f}, {y:.2f}) m, {np.degrees(turn):.0f} deg"

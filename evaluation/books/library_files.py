@@ -31,7 +31,10 @@ UNLISTED_TAG = 249  # a tag's number that no catalogue of ours has
 
 
 class Libraries(FileModel):
-    """Generator of a library for each seed of a campaign. The fields are those of `make_library`."""
+    """Generator of a library (shelves with books, and its map) for each seed of a campaign.
+
+    The fields are arguments of `make_library`.
+    """
 
     misplaced: bool = True
     gap: bool = True

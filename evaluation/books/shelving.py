@@ -37,7 +37,7 @@ class ShelvedBooks(NamedTuple):
         )
 
     def figures(self) -> dict[str, Any]:
-        """Return the values as metrics of a run; values undefined for a book on no shelf are omitted."""
+        """Return the values as metrics of a run; omit values that are undefined for a book on no shelf."""
         fields = self._asdict()
         return {
             name: value if isinstance(value, bool) else round(value, 2)

@@ -18,9 +18,10 @@ from .library_room import STAND_OFF
 
 
 def stop_errors(scene: Scene, primitive: ActionPrimitive) -> dict[str, float]:
-    """Return the true errors of the base's stop after an action has succeeded, at a dock or before a slot.
+    """Return true errors after an action with Success, of the base at a dock or of the book before a slot.
 
-    They are by name, in the unit at the end of the name; empty for an action without a place to stop at.
+    The errors are by name, in the unit at the end of the name; empty for actions that stop elsewhere. A dock
+    is the place in front of a shelf.
     """
     if primitive.label() == DRIVE_PRIMITIVE:
         return _dock(scene, str(getattr(primitive, "place", "")))

@@ -46,7 +46,7 @@ def make_unfriendly(
 
     Args:
         row: the usual row.
-        wanted: accessions of the lent books that are to be returned.
+        wanted: accession numbers of the lent books that are to be returned.
         factors: names in `UNFRIENDLY_FACTORS`.
         level: difficulty, from 0 (none) to 1.
         rng: random generator.
@@ -171,7 +171,7 @@ def no_slot(row: ShelfRow, book: GeneratedBook, spoilt: Mapping[int, str]) -> st
     Args:
         row: row with the gap of the book.
         book: the lent book.
-        spoilt: reasons that are known already, by accession.
+        spoilt: reasons that are known already, by the book's accession number.
     """
     if book.accession in spoilt:
         return spoilt[book.accession]

@@ -82,7 +82,9 @@ class LaserSurvey:
             shifts.append(SpotShift((x, y), float(self._swings), *spot.tolist()))
 
     def rates(self) -> Rates:
-        """Return the base's tilt for each metre of the hand, and yaw for each swing, fitted to the spots.
+        """Return how the base tilts and yaws when the arm moves, fitted to the shifts of laser spots.
+
+        Tilts are per metre of the hand, yaw is per move of the arm out and back.
 
         Raises:
             ValueError: the arm moved too little.

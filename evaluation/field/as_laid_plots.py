@@ -46,7 +46,10 @@ class Laying(Protocol):
 
 
 def draw_as_laid(folder: Path, survey: Laying, sensors: list[AsLaid]) -> Path:
-    """Draw trajectory, localization and placement errors of a run into its folder; return the path."""
+    """Draw plots of a run that laid sensors, into its folder, and return the path of the picture.
+
+    They show the trajectory, the hand, and the errors of localization and placement.
+    """
     from matplotlib.figure import Figure
 
     tall = _tall(survey)

@@ -37,9 +37,9 @@ class AsLaid(NamedTuple):
 
     @property
     def ellipse(self) -> tuple[float, float, float]:
-        """Ellipse that contains the sensor with a probability of 95 %.
+        """Half axes and direction of the ellipse that contains the sensor with a probability of 95 %.
 
-        Large and small half axis, in [m], and the direction of the large one, in [rad].
+        Large and small half axis in [m], and the large half axis' direction in the field's frame in [rad].
         """
         values, axes = np.linalg.eigh(self.covariance)
         scale = math.sqrt(-2.0 * math.log(1.0 - ELLIPSE_PROBABILITY))  # of two degrees of freedom

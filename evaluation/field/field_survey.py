@@ -180,7 +180,7 @@ class FieldSurvey(Survey):
         self._as_laid = write_as_laid(prepared, folder)
 
     def draw(self, folder: Path) -> None:
-        """Draw the report of the laid sensors into a run's folder, if a simulated run has laid any."""
+        """Draw plots of the laid sensors' errors into a run's folder, if a simulated run has laid any."""
         if self._as_laid and self._scene is not None:
             from .as_laid_plots import draw_as_laid
 

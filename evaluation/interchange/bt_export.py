@@ -135,7 +135,7 @@ def parts_of_tree(root: XmlElement) -> TaskParts:
 
 
 def changed_leaves(root: XmlElement) -> Iterator[LostConstruct]:
-    """Yield those leaves of an exported and edited tree that belong to no action of the task."""
+    """Yield the leaves of an exported, then edited behaviour tree that belong to no action of the task."""
     top = _top(root)
     rows = (
         [descendant for descendant in _descendants(top) if ROW_PORT in descendant.attributes] if top else []

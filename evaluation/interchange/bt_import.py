@@ -21,7 +21,11 @@ QUIET_ATTRIBUTES = ("_description", "_fullpath", "_uid")
 
 
 def import_tree(path: Path | str) -> Imported:
-    """Return the task in a file of BehaviorTree.CPP; raises `FileError` if it is not a tree."""
+    """Convert a behaviour tree in a file of BehaviorTree.CPP to a task.
+
+    Raises:
+        FileError: the file is not a behaviour tree.
+    """
     root = read_xml_tree(path)
     if root.tag != "root":
         wrong = f"the root element is {root.tag!r}; allowed: root, as BehaviorTree.CPP has it"

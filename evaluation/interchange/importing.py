@@ -30,7 +30,7 @@ FORMAT_SUFFIXES = {
 
 
 def import_file(path: Path, problem: Path | None = None) -> Imported:
-    """Return the task in a file of another program.
+    """Convert a file of another program, in the format that its suffix or content shows, to a task.
 
     Args:
         path: the file.

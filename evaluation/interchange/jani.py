@@ -109,7 +109,11 @@ def _edges(number: int, row: Any) -> Iterator[dict[str, Any]]:
 
 
 def import_model(path: Path | str) -> Imported:
-    """Return the task in a JANI model; raises `FileError` if it is not a model."""
+    """Convert a JANI model in a file to a task.
+
+    Raises:
+        FileError: the file does not contain a usable JANI model.
+    """
     text = decode_text(read_regular_file(path, MAX_JANI_BYTES), str(path), longest_line=None)
     try:
         model = json.loads(text)

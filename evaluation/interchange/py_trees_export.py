@@ -88,6 +88,6 @@ def py_tree(parts: TaskParts, carry: Carried) -> TaskTree:
 
 
 def parts_of_py_tree(tree: TaskTree) -> TaskParts:
-    """Return the task from which a tree was made, with the actions that the tree has now."""
+    """Return the task from which a py_trees behaviour tree was made, with the leaves' present actions."""
     actions = [child.row for child in tree.children if isinstance(child, DoAction)]
     return TaskParts(tree.head, tree.situations, actions, tree.order)

@@ -27,7 +27,7 @@ class Expression:
 
     @property
     def head(self) -> str:
-        """First word of a list; "" for an empty list, or one that begins with a list."""
+        """First word of a list; "" for an empty list, or for a list that begins with another list."""
         return self.parts[0].word if self.parts else ""
 
     def __str__(self) -> str:

@@ -51,7 +51,11 @@ class _State(NamedTuple):
 
 
 def import_smach(path: Path | str) -> Imported:
-    """Return the task in a YAML file of SMACH; raises `FileError` if it is not a state machine."""
+    """Convert a SMACH state machine, given as a YAML file, to a task.
+
+    Raises:
+        FileError: the file is not a state machine that can be converted.
+    """
     document = read_document(path)
     return _SmachReader(document).imported()
 

@@ -51,7 +51,7 @@ class TaskDraft:
         return found
 
     def placeholder(self) -> str:
-        """Return a preliminary name for a situation; actions may use it before `bind` sets the situation."""
+        """Return a preliminary name for a situation, which actions may use until `bind` replaces it."""
         self._placeholders += 1
         return f"\0{self._placeholders}"
 

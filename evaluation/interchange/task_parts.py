@@ -18,7 +18,7 @@ FLOW_KEYS = ("do", "from", "to", "then", "on_fail", "attempts", "with")
 
 @dataclass(frozen=True)
 class TaskParts:
-    """Content of a task's file, split into situations, actions and other keys for other formats."""
+    """Content of a task's file, split into situations, actions and other keys, for converting it."""
 
     head: Mapping[str, Any]
     """All keys but `situations` and `actions`."""
@@ -60,7 +60,7 @@ class TaskParts:
         return str(goal[-1] if isinstance(goal, list) else goal)
 
     def lost(self) -> Iterator[str]:
-        """Yield descriptions of the task's features that other formats keep only as comments."""
+        """Yield descriptions of features that get lost, except for comments, when the task is converted."""
         words = {
             "policy": "the policy",
             "belief": "beliefs",
@@ -123,7 +123,7 @@ def failures(row: Row) -> list[tuple[str, str, Any]]:
 
 
 def further_keys(row: Row) -> dict[str, Any]:
-    """Return the keys of an action for which other formats have no construct of their own."""
+    """Return the keys of a task's action, such as its cost, for which other formats have no element."""
     return {key: value for key, value in row.items() if key not in FLOW_KEYS}
 
 

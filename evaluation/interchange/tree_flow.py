@@ -50,10 +50,10 @@ Compile = Callable[[BehaviourNode, str, str], str]
 
 
 class TreeFlow:
-    """Translator of a behaviour tree into a draft of a task, in which leaves become actions.
+    """Translator of a behaviour tree to a task under construction, in which the leaves become actions.
 
     A situation is a point in the tree between two leaves. An action's `on_fail` leads to the leaf that the
-    tree ticks next after a failure, which is allowed because a Fail changes no facts.
+    tree ticks next after a failure. This is allowed because everything is as before the action after a Fail.
     """
 
     def __init__(self, draft: TaskDraft, trees: Mapping[str, BehaviourNode]) -> None:
@@ -87,7 +87,7 @@ class TreeFlow:
         }
 
     def translate(self, tree: str) -> str:
-        """Add the actions of a tree to the draft, and return the situation in which the tree begins."""
+        """Add the actions of a behaviour tree to the drafted task, and return the situation before them."""
         self._open.append(tree)
         root = self._trees[tree]
         if root.kind in ("Repeat", "KeepRunningUntilFailure") and self._count(root) < 0 and root.children:
@@ -270,7 +270,7 @@ def with_ports(node: BehaviourNode, given: Mapping[str, str]) -> BehaviourNode:
 
 
 def plain_value(text: str) -> Any:
-    """Return a port's text as a number, true or false where it is one."""
+    """Convert the text of a behaviour tree's port to a bool or number if it is one, otherwise return it."""
     if text.lower() in ("true", "false"):
         return text.lower() == "true"
     for kind in (int, float):

@@ -22,5 +22,5 @@ class BehaviourNode:
 
     @property
     def construct(self) -> str:
-        """Name of the node for messages, as its file names it, otherwise from its kind and name."""
+        """Name of the node for messages: the name in its file, or one made of its kind and name."""
         return self.shown or (f"{self.kind} {self.name!r}" if self.name else self.kind)

@@ -25,13 +25,21 @@ class XmlElement:
 
 
 def read_xml_tree(path: Path | str) -> XmlElement:
-    """Return the root element of an XML file; raises `FileError` as `read_xml_text` does."""
+    """Return the root element of an XML file.
+
+    Raises:
+        FileError: the file cannot be read, is too large, or is not well-formed XML.
+    """
     content = read_regular_file(path, MAX_XML_BYTES)
     return parse_xml_tree(content, str(path))
 
 
 def parse_xml_tree(content: bytes, file: str) -> XmlElement:
-    """Return the root element of XML, called `file` in messages; raises `FileError`."""
+    """Return the root element of an XML file, given its content and, for messages, its name.
+
+    Raises:
+        FileError: the content is not well-formed, or has entities or too many elements.
+    """
     text = checked_xml(content, file)  # no entities, nothing deep, nothing huge
     parser, top = expat.ParserCreate(), XmlElement("", {}, 0, 0)
     opened = [top]

@@ -54,7 +54,7 @@ class LocalisationSurvey(Survey):
         self.periods, self.squares, self.farthest, self.turned = noted
 
     def figures(self) -> dict[str, float]:
-        """Return the RMS and the maximum of the error in [mm] and [deg]; empty before the first period."""
+        """Return the base's RMS and maximum pose error in [mm] and [deg]; empty before the first period."""
         if not self.periods:
             return {}
         return {

@@ -62,7 +62,7 @@ class Judge(RunObserver):
                 self._notes.add(self._run.world.time, note)
 
     def go_on(self) -> None:
-        """Restore the surveys' observations from the interrupted run that this run continues.
+        """Load false outcomes and the surveys' observations that the run noted before it was interrupted.
 
         Raises:
             NotAState: the notes are damaged or have another format.

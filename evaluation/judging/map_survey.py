@@ -28,7 +28,7 @@ FLOOR_ROOM_M = 0.12  # added to the footprint, for floor that the robot can cert
 
 
 class MapFigures(NamedTuple):
-    """Errors of a map's walls against the simulated world, and the share of the floor it shows."""
+    """Errors of a map's walls against the simulated world, and the share of the floor that the map shows."""
 
     walls_mm: FloatArray
     """(n,) distance of each occupied cell to the nearest true surface, in [mm]."""

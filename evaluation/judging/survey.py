@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SurveyedRun:
-    """The parts of a run, or of a single attempt, that a survey may read."""
+    """Robot, world and other parts of a run, or of a single attempt, that a survey (evaluation) may read."""
 
     robot: Robot
     spec: RobotFile
@@ -60,7 +60,8 @@ class SurveyedRun:
     def world_T_map(self) -> Pose2:
         """Pose of the robot's map in the world.
 
-        A given map has the frame of the world; without one, the start pose of the robot determines it.
+        A map that the robot is given has the frame of the world. If the robot draws its own map, its start
+        pose determines the map's frame.
         """
         return self.world.world_T_map(self.robot.own_start)
 
@@ -72,7 +73,7 @@ class SurveyedRun:
 
     @classmethod
     def of(cls, prepared: Prepared, folder: Path | None = None) -> SurveyedRun:
-        """Return the parts, for surveys, of a prepared run that has not started."""
+        """Return those parts of a prepared run that surveys (evaluations) may read."""
         robot = prepared.robot
         does = frozenset(action.do for action in prepared.task.network.actions)
         scene = simulated_world(prepared.backend)
@@ -93,7 +94,7 @@ def simulated_world(backend: Backend) -> Scene | None:
 
 
 class Claim(NamedTuple):
-    """A Success together with the ground truth before and after it."""
+    """A primitive's Success, together with the ground truth before and after its action."""
 
     primitive: Any
     """The `ActionPrimitive` that reported the Success."""
@@ -152,7 +153,7 @@ class Survey(ABC):
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
         """Return a message for each claim of an action's outcome that the ground truth contradicts.
 
-        Claims that are checked by `effects` are not included.
+        Claims that the checks in the class attribute `effects` cover are not included.
         """
         return []
 
@@ -160,13 +161,14 @@ class Survey(ABC):
         """Return the observations that a continued run needs and cannot repeat, as the type `noted`."""
 
     def go_on(self, noted: Any) -> None:
-        """Restore the last notes of the interrupted run that this run continues.
+        """Restore the survey's observations from the interrupted run that this run continues.
 
         Args:
-            noted: last value of `notes`, of the class attribute's type `noted`; any value if that is None.
+            noted: observations that `notes` returned last, of the type in the class attribute `noted`; any
+                value if the attribute is None.
 
         Raises:
-            ValueError: the notes cannot belong to the interrupted run.
+            ValueError: the observations cannot belong to the interrupted run.
         """
 
     @abstractmethod

@@ -50,10 +50,10 @@ class SurveyNotes:
         return kept
 
     def checked(self, note: object, kind: type[T]) -> T:
-        """Return a note as a value of type `kind`.
+        """Return a noted observation as a value of type `kind`.
 
         Raises:
-            NotAState: the note is not of this type.
+            NotAState: the observation is not of this type.
         """
         try:
             return as_noted(note, kind)
@@ -61,7 +61,7 @@ class SurveyNotes:
             raise NotAState(f"{self._path}: {error}") from None
 
     def add(self, time_s: float, note: Mapping[str, Any]) -> None:
-        """Append a note to the file, with its time in [s]."""
+        """Append the surveys' observations to the file, with the run's time in [s]."""
         with suppress(OSError), self._path.open("ab") as file:
             file.write(_line({"time_s": time_s, **note}))
 

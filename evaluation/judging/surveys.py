@@ -41,7 +41,7 @@ class NoSurvey(InputError):
 
 
 def survey_kinds(run: SurveyedRun | None = None) -> tuple[type[Survey], ...]:
-    """Return the classes of the general surveys and of the surveys of application domains.
+    """Return the general classes of surveys (evaluations of a run) and those of the application domains.
 
     Args:
         run: run that the surveys are for; surveys of domains that it does not use are omitted. None: all.
@@ -157,15 +157,15 @@ class Surveys:
         return wrong + [item for _, untrue in checks for item in untrue]
 
     def notes(self) -> dict[str, Any]:
-        """Return the notes of each survey that a continued run needs, by name of the survey."""
+        """Return each survey's observations by its name, with which an interrupted run can be continued."""
         noting = [survey_ for survey_ in self._every if survey_.noted is not None]
         return {survey.name: notes for survey, notes in self._asked(lambda item: item.notes(), among=noting)}
 
     def go_on(self, notes: Mapping[str, Any], path: Path) -> None:
-        """Restore the notes of the interrupted run that this run continues.
+        """Hand each survey its observations from the interrupted run that this run continues.
 
         Args:
-            notes: notes by name of the survey, as read from a file.
+            notes: observations by name of the survey, as read from a file.
             path: path of this file, used in messages.
 
         Raises:
@@ -185,16 +185,24 @@ class Surveys:
         return {name: value for item in by_survey for name, value in item.items()}
 
     def faults(self) -> list[str]:
-        """Return one line for each survey with the false claims of the complete run's Success."""
+        """Return a line with reasons for each survey that contradicts the Success of the complete run."""
         by_survey = [faults for _, faults in self._asked(lambda survey: survey.faults())]
         return ["; ".join(faults) for faults in by_survey if faults]
 
     def report(self, prepared: Prepared, folder: Path) -> None:
-        """Write all reports into the folder of a run that has ended; raises as `Survey.report`."""
+        """Write the reports of all surveys into the folder of a run that has ended.
+
+        Raises:
+            OSError: writing failed, for example because the disk is full.
+        """
         self._write(lambda survey: survey.report(prepared, folder))
 
     def draw(self, folder: Path) -> None:
-        """Draw all pictures into the folder of a run that has ended; raises as `Survey.draw`."""
+        """Draw the pictures of all surveys into the folder of a run that has ended.
+
+        Raises:
+            OSError: writing failed, for example because the disk is full.
+        """
         self._write(lambda survey: survey.draw(folder))
 
     def _write(self, write: Callable[[Survey], None]) -> None:

@@ -44,7 +44,7 @@ def moved(
     Args:
         before: ground truth at the first instant.
         after: ground truth at the second instant.
-        limits: largest change of each kind, in [mm] or [deg]; of every body under OBJECT.
+        limits: largest change of each kind, in [mm] or [deg]; the value of OBJECT is the limit of every body.
     """
     joints = np.abs(before.joints - after.joints)
     parts = {

@@ -46,12 +46,12 @@ class LayeredBackend(Backend):
         return layer
 
     def pass_on(self, part: Capability, kind: Kind, method: str, *words: Any) -> Any:
-        """Call a method of an inner capability, or the layer's method that replaces it, and return the
-        result.
+        """Call a method of an inner capability, or the method of this layer that replaces it.
 
         Args:
             part: inner capability.
-            kind: kind of the capability; its words begin the name of the layer's method.
+            kind: kind of the capability; a method of this layer for it begins with the kind's name, such as
+                `range_sensor_scan`.
             method: name of the method.
             *words: arguments of the call.
         """
@@ -60,7 +60,7 @@ class LayeredBackend(Backend):
 
     @classmethod
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> Backend:
-        """Raise an error: a layer is not built by name, it wraps an existing backend."""
+        """Raise a TypeError, because a layer wraps an existing backend and is never built from its name."""
         raise TypeError(f"{cls.__name__} is made around another backend")
 
     @override

@@ -62,7 +62,7 @@ def read_csv_scans(path: Path) -> ScanLog:
     """Read a log with the columns time_s, x_m, y_m, heading_rad and one for each beam, in [m].
 
     Raises:
-        FileError: header or table have faults; it lists all faults, at most `MAX_SHOWN_CELLS`.
+        FileError: header or table have faults; it lists them, up to `MAX_SHOWN_CELLS` faulty cells.
     """
     text = decode_text(read_regular_file(path, MAX_BYTES).removeprefix(BYTE_ORDER_MARK), str(path))
     lines = text.splitlines()

@@ -31,7 +31,10 @@ def loops_csv(log: ScanLog, built: BuiltMap) -> str:
 
 
 def position_sigmas(built: BuiltMap) -> np.ndarray:
-    """Return the standard deviation (n,) of each position in its most uncertain direction, in [m]."""
+    """Return the standard deviation (n,) of each robot position on the mapping drive, in [m].
+
+    It is taken in the direction in which the position is most uncertain.
+    """
     worst = np.linalg.eigvalsh(built.covariances[:, :2, :2])[:, -1]
     sigmas: np.ndarray = np.sqrt(np.maximum(worst, 0.0))
     return sigmas

@@ -28,7 +28,7 @@ class Knob(NamedTuple):
 
 
 class Fitted(NamedTuple):
-    """Result of fitting a vehicle's noise to a log, the noise for which the fixes are most likely."""
+    """Noise of a vehicle that fits a log best, with the log-likelihood of the fixes before and after."""
 
     noise: FieldNoise
     before: float
@@ -86,7 +86,7 @@ def fit_noise(log: DriveLog, given: FieldNoise, passed: Callable[[float], None] 
     Args:
         log: a drive with fixes, better of kilometres than of metres.
         given: initial noise.
-        passed: called from time to time with the completed share.
+        passed: called from time to time with the share of the fit that is done, from 0 to 1.
     """
     noise, best = given, _likelihood(log, given)
     before, changed = best, dict[str, float]()

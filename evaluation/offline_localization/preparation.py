@@ -34,8 +34,8 @@ def prepare(
         log: the log as read.
         noise: assumed noise of its vehicle.
         is_known: whether `noise` is from the robot's file and is used unchanged.
-        imu_axes: the IMU's axes that point forward, left and up; `auto`: as estimated; None: the same
-            as those of the base, otherwise an error.
+        imu_axes: the IMU's axes that point forward, left and up; `auto`: the axes are estimated from the log;
+            None: they have to be those of the base.
 
     Raises:
         FileError: the IMU is not mounted in the base's axes, or the given axes are not a frame.

@@ -164,11 +164,11 @@ def replay(
     Args:
         log: the log with all fixes.
         localizer: a new localizer.
-        passed: called from time to time with the completed share.
+        passed: called from time to time with the share of the log that is done, from 0 to 1.
         period: minimum time between fixes that the localizer receives, in [s]; closer fixes are skipped, but
-            listed in the result if they jump.
-        white: error of a fix per axis used by the detection of jumps, in [m]; None: jumps are detected by the
-            localizer alone.
+            a closer fix that jumps is listed in the result.
+        white: white error of a fix per axis, in [m], with which the detection of jumps starts; None: only the
+            localizer detects jumps.
     """
     log = log.one_row_a_time()
     gate, latest = None if white is None else JumpGate(white), -math.inf

@@ -14,7 +14,7 @@ MAX_SHOWN_FIXES = 12  # rejected fixes listed one by one
 
 
 def figures(replayed: Replayed) -> dict[str, Any]:
-    """Return figures of a replay, by name: fixes, claimed uncertainty, and errors against a reference."""
+    """Return figures of a localizer's replay of a log, by name: fixes, uncertainty and errors."""
     claimed = np.sqrt(np.trace(replayed.covariances[:, :2, :2], axis1=1, axis2=2))
     refused = [fix for fix in replayed.fixes if not fix.believed]
     found: dict[str, Any] = {
@@ -46,7 +46,7 @@ def figures(replayed: Replayed) -> dict[str, Any]:
 
 
 def in_words(replayed: Replayed) -> str:
-    """Return the result of a replay as text."""
+    """Return the result of a localizer's replay of a log as text."""
     found = figures(replayed)
     refused = [fix for fix in replayed.fixes if not fix.believed]
     lines = [

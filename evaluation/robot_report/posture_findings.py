@@ -26,7 +26,7 @@ ROUNDING_M = 1e-3
 
 
 class PostureFacts(NamedTuple):
-    """Self-contacts of the robot in a named posture with open fingers, and the space that the arm needs."""
+    """Facts about the robot in a named posture, such as self-contacts and the space that the arm needs."""
 
     name: str
     touching: tuple[tuple[str, str], ...]

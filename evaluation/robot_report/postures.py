@@ -36,7 +36,7 @@ class HandAim(NamedTuple):
     """Rotation about this direction; None: upright, or any if the direction is vertical."""
 
     def poses(self) -> Iterator[Transform]:
-        """Yield base_T_hand (4, 4) for each roll about the hand's direction that is allowed."""
+        """Yield base_T_hand (4, 4) for each allowed roll of the hand about the direction it points in."""
         x, y, z = self.direction
         is_vertical = abs(z) > VERTICAL_COSINE * math.sqrt(x * x + y * y + z * z)
         rolls = [self.roll_deg or 0.0]
@@ -47,7 +47,7 @@ class HandAim(NamedTuple):
 
 
 class PostureSearch(NamedTuple):
-    """Result of a search for a posture of the arm, with the contacts that may prevent it."""
+    """Result of a search for a posture of the arm, with the pairs of links that touch in found postures."""
 
     angles: list[float] | None
     """Joint positions in [deg], or [mm] for prismatic joints; None: no collision-free posture was found."""

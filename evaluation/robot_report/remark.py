@@ -27,7 +27,10 @@ class Remark(NamedTuple):
 
 
 def grouped(remarks: Iterable[Remark]) -> list[str]:
-    """Return a line for each kind of remark: its first remark, and the other subjects with the same one."""
+    """Return a line for each group of remarks that are alike except for numbers, paths and quoted names.
+
+    The line shows the group's first remark, and the subjects of the others.
+    """
     kinds: dict[tuple[str, str], list[Remark]] = {}
     for remark in remarks:
         kinds.setdefault((remark.subject.split(" ")[0], _DIFFERS.sub("", remark.what)), []).append(remark)
@@ -35,7 +38,10 @@ def grouped(remarks: Iterable[Remark]) -> list[str]:
 
 
 def grouped_findings(findings: Sequence[Finding]) -> list[str]:
-    """Return a line for each kind of finding: its first finding, and the numbers of other lines with it."""
+    """Return a line for each group of findings that are alike except for numbers, paths and quoted names.
+
+    The line shows the group's first finding, and the line numbers of the others.
+    """
     kinds: dict[tuple[str, str], list[Finding]] = {}
     for finding in findings:
         kinds.setdefault((finding.file, _DIFFERS.sub("", finding.message)), []).append(finding)

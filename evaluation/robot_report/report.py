@@ -39,7 +39,7 @@ class LinkRow:
 
 @dataclass(frozen=True)
 class CameraFacts:
-    """Field of view and resolution of the camera."""
+    """Field of view and resolution of the camera on the robot's hand."""
 
     across_deg: float
     """Horizontal angle of view."""
@@ -58,7 +58,7 @@ class Contents:
     remarks: Sequence[Remark]
 
     def figures(self) -> dict[str, Any]:
-        """Return the content as JSON values."""
+        """Return the URDF's joints, links and meshes as JSON values."""
         return {
             "joints": [joint._asdict() for joint in self.joints],
             "links": [asdict(link) for link in self.links],

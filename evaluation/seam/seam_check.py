@@ -18,7 +18,9 @@ from handcart.robotics.manipulation.paths.untrackable import Untrackable
 
 
 def seam_facts(task: Task) -> dict[str, Any]:
-    """Return how DIVIDE would divide a task's seam among poses of the base; empty for a task without DIVIDE.
+    """Return how the primitive DIVIDE would divide a task's seam among poses of the base.
+
+    The result is empty for a task without DIVIDE.
 
     Raises:
         FileError: a point of the seam cannot be tracked (the first one, with reason and nearest reachable

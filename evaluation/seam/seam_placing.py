@@ -58,7 +58,7 @@ class PlacedSeam(NamedTuple):
 
     @property
     def share(self) -> float:
-        """Mean score of the arm's postures along the seam, 0 to 1."""
+        """Mean score of how well the arm reaches the seam, over the seam's length, from 0 to 1."""
         return self.placements.score / self.seam.length
 
     def words(self) -> list[str]:
@@ -81,7 +81,7 @@ def place_seam(
         spec: robot file.
         file: file of the seam.
         work_piece: boxes around the seam; None: the floor under the seam counts as occupied.
-        count: maximum number of placements; None: as few as possible.
+        count: maximum number of poses of the base; None: as few as possible.
 
     Raises:
         FileError: the seam's file is invalid, or a point of it cannot be tracked: the first one, with the

@@ -28,7 +28,7 @@ SENSOR_ERROR_M = 0.0015  # [m]: five sigma of positioning and arm, beyond what T
 
 
 class SeamStretch:
-    """Record of joints and true tool positions in each period of one TRACK action along a seam's part."""
+    """Record of joints and true tool positions while the primitive TRACK follows a part of a seam."""
 
     def __init__(self, part: ToolPath) -> None:
         self.part = part
@@ -58,7 +58,10 @@ class StretchNotes:
 
 
 class SeamSurvey(Survey):
-    """Evaluation of seam tracking by the tool's true distance from the seam during TRACK actions."""
+    """Evaluation of seam tracking by the tool's true distance from the seam.
+
+    Only the actions of the primitive TRACK, which moves the tool along the seam, are evaluated.
+    """
 
     name = "seam"
     effects = SEAM_EFFECTS
@@ -112,9 +115,9 @@ class SeamSurvey(Survey):
         self.stretches = [_again(notes, self.run.robot.arm_model.dof) for notes in noted]
 
     def errors(self) -> list[tuple[FloatArray, FloatArray]]:
-        """Return times (k,) in [s] and the tool's distances (k,) from the seam in [m], for each good TRACK.
+        """Return times (k,) in [s] and the tool's distances (k,) from the seam in [m], for each tracked part.
 
-        A TRACK is good if it ended in Success.
+        Only parts count whose TRACK, the primitive that moves the tool along the seam, ended in Success.
         """
         return [
             (np.array(stretch.times), distances(np.array(stretch.tips), stretch.part.points))
@@ -141,9 +144,9 @@ class SeamSurvey(Survey):
         }
 
     def faults(self) -> list[str]:
-        """Return a message if the seam was not tracked completely, or not within TRACK's error limit.
+        """Return a message if a part of the seam was not tracked, or if the tool was too far off the seam.
 
-        Either contradicts the Success of the complete run.
+        Both contradict the Success of the complete run.
         """
         seam = self.run.model.of(Seam).seam
         if seam is None:
@@ -167,7 +170,7 @@ class SeamSurvey(Survey):
             draw_tracking_errors(stretches, folder / "tracked.svg", self.limits["tracking_error_mm_max"])
 
     def uses(self) -> list[LimitUse]:
-        """Return, for each TRACK, how much of the joints' allowed speeds and torques was used.
+        """Return how much of the joints' allowed speeds and torques each tracked part of the seam used.
 
         Torques include those of the tool's force.
         """

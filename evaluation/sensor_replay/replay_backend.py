@@ -33,7 +33,10 @@ class Parted(BaseException):
 
 @dataclass
 class RecordedPeriod:
-    """Recorded commands, readings, and answers to calls with arguments of one period."""
+    """Commands, readings and answers that were recorded in one control period of a run.
+
+    Answers are results of calls with arguments.
+    """
 
     commands: list[Call] = field(default_factory=list)
     readings: dict[tuple[int, str], Call] = field(default_factory=dict)
@@ -109,7 +112,7 @@ class ReplayBackend(Backend):
 
     @classmethod
     def build(cls, robot: RobotFile, world: Path | None, seed: int) -> Backend:
-        """Raise an error: a replay is not built by name, it is made of a recording."""
+        """Raise a TypeError, because this backend is made of a recording and never built from its name."""
         raise TypeError(f"{cls.__name__} is made of a recording")
 
     @override

@@ -79,7 +79,7 @@ def draw_overview(
         grid: the robot's map.
         places: places on the map, by name.
         radius: radius of the robot's footprint, in [m].
-        shown: primitives whose pictures are preferred.
+        shown: primitives; the last picture of one of them is drawn, if any exists.
 
     Returns:
         The path of the picture.

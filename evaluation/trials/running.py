@@ -248,7 +248,10 @@ def put_back(
         observers: observers of the run, which receive messages about the restored state.
 
     Raises:
-        NoRun, JournalError, NotAState, NeedsOperator: as `resume_task`.
+        NoRun, JournalError: the journal is missing or damaged.
+        NotAState: the checkpoint is damaged.
+        NeedsOperator: journal, checkpoint and files do not belong together, or a GiveUp was not
+            acknowledged.
     """
     past = read_past(folder, prepared.task.network)
     if header["robot_sha256"] != robot_fingerprint(prepared.robot.spec):

@@ -73,7 +73,7 @@ class Video(RunObserver):
         return False
 
     def remarks(self) -> Iterator[str]:
-        """Yield messages for the start of the run about the recorded content and about missing parts."""
+        """Yield messages, at the start of the run, about the video's file and about missing views."""
         if self._lacks:
             yield f"--video shows what the hand's camera sees alone: {self._lacks}"
         width, height = self._size

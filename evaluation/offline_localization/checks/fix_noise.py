@@ -23,7 +23,7 @@ MAX_RATIO = 3.0  # between stated and observed error: beyond it the stated one i
 
 
 class SupposedNoise(NamedTuple):
-    """Noise to assume for a vehicle without a robot's file, and the log of its drive."""
+    """Noise to assume for a vehicle without a robot's file, and its log without implausible accuracies."""
 
     noise: FieldNoise
     log: DriveLog

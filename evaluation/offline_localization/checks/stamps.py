@@ -70,13 +70,14 @@ def check_stamps(topic: str, stamps: FloatArray, received: FloatArray) -> StampR
 
 
 def check_offsets(delays: dict[str, float]) -> tuple[list[str], str]:
-    """Compare the clocks of the topics.
+    """Compare the clocks by which the messages of several topics were stamped.
 
     Args:
         delays: median time from stamp to recording for each topic, in [s].
 
     Returns:
-        Notes, and the reason why the stamps cannot be used together; empty if they can.
+        Notes about a topic that comes late, and the reason why the stamps cannot be used together; both are
+        empty without a problem.
     """
     if len(delays) < 2:
         return [], ""

@@ -321,7 +321,7 @@ def plane(latitudes: FloatArray, longitudes: FloatArray, origin: tuple[float, fl
     Args:
         latitudes: (n,) in [deg].
         longitudes: (n,) in [deg].
-        origin: latitude and longitude of the plane's origin, in [deg]; None: nothing is known.
+        origin: latitude and longitude of the plane's origin, in [deg]; None: all places are returned as NaN.
 
     Returns:
         (n, 2) east and north of the origin, in [m]; NaN where unknown.

@@ -93,5 +93,8 @@ class LogHeader(FileModel):
 
     @property
     def quantities(self) -> dict[str, tuple[str, ...]]:
-        """All quantities that a column may have, also ranges to beacons, each with its kinds of unit."""
+        """Quantities that a column of the log may have, each with its allowed kinds of unit.
+
+        They include the range to each beacon.
+        """
         return dict.fromkeys(self.range_columns, ("length",)) | COLUMN_QUANTITIES

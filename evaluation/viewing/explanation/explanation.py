@@ -59,7 +59,7 @@ class Explanation:
 
     @property
     def causes(self) -> Sequence[Mapping[str, Any]]:
-        """Causes recorded in the journal why the action's motion ended, then why its restoring ended."""
+        """Causes in the journal, first why the action's motion ended, then why its restoring ended."""
         return tuple(self.action.result.get("cause", ())) if self.action else ()
 
 
@@ -81,9 +81,10 @@ def explain(run: PastRun, number: int | None = None) -> Explanation:
 
 @contextmanager
 def relying_on_the_journal(run: PastRun) -> Iterator[None]:
-    """Context that raises `JournalError` instead of errors that a journal's inconsistent content causes.
+    """Convert errors in a context that are caused by inconsistent content of a journal to `JournalError`.
 
-    An example is a forged journal whose chain of checksums is correct.
+    Such content passes the checks on reading if, for example, somebody forged a journal with correct
+    checksums.
     """
     try:
         yield

@@ -58,7 +58,7 @@ class _Panel(NamedTuple):
 
 
 def draw_chart(explanation: Explanation, path: Path) -> None:
-    """Draw the chart of an explanation into `path`, in the format of its suffix, such as .svg.
+    """Draw a chart of the evidence about an action: picture, decisive measurement, causes and readings.
 
     Raises:
         UnreadableEvidence: readings, points or the picture are damaged.

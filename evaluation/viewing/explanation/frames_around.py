@@ -32,7 +32,10 @@ class FrameLine(NamedTuple):
 
 @dataclass(frozen=True)
 class FramesAround:
-    """CAN frames near one instant of a log that show a change, and cyclic messages that then stop."""
+    """CAN frames near one instant of a log, without repetitions of an unchanged state.
+
+    It also has the last frames of those cyclic messages that stop while others continue.
+    """
 
     file: Path
     """The log with all frames."""

@@ -14,7 +14,11 @@ GOOD_OUTCOMES = ("Success", "Cancelled")
 
 
 def level_of(status: Mapping[str, Any]) -> bytes:
-    """Return the diagnostic level of a run's status, how much it needs a person: `OK`, `WARN` or `ERROR`."""
+    """Return the diagnostic level of a run's status: `OK`, `WARN` or `ERROR`.
+
+    `ERROR` means an error, a GiveUp, or a run that does not answer. `WARN` means a run that waits for a
+    person, is paused or restores, or that ended in any other way than Success or by cancelling.
+    """
     if status.get("error") or (outcome := status.get("outcome")) in ("GiveUp", "Error"):
         return ERROR
     if outcome is not None:

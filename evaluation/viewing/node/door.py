@@ -63,7 +63,7 @@ class Door:
         return {key: value for key, value in status.items() if key != "ok"}
 
     def published(self, status: Mapping[str, Any]) -> None:
-        """Remember the question to the operator in a published status, and the time at which it was new.
+        """Remember which question to the operator a published status contains, and since when.
 
         Services only answer this question, and only after it has been published for `NEW_QUESTION_S`.
         """

@@ -65,7 +65,7 @@ def seen_state(
 
 
 def action_state(number: int, action: Any, fails: int) -> dict[str, Any]:
-    """Return the published description of an action that starts.
+    """Return the description of a starting action that is published for other programs.
 
     Args:
         number: number of the action in the run, from 1.

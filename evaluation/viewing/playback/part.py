@@ -25,7 +25,7 @@ SHAPES_ADAPTER = TypeAdapter(list[ThingShape])
 
 
 class RecordingPart(NamedTuple):
-    """State, scans, particles, pictures and things in one part (one file) of a run's recording.
+    """States, lidar scans, particles, pictures and things of a run, as in one file of its recording.
 
     Times are on the robot's clock, except for `world_time`, in [s], and ascending.
     """

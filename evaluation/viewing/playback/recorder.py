@@ -66,8 +66,9 @@ class PlaybackRecorder(RunObserver):
         self._clear()
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
-        """Write the scenery and start recording; parts of a continued run, up to its continuation, are
-        kept.
+        """Write the run's constant data (robot, map, places, solid bodies), and start to record the run.
+
+        If an interrupted run is continued, its recording up to there is kept.
         """
         self._scene = simulated_world(prepared.backend)
         backend = prepared.backend

@@ -112,7 +112,12 @@ class Scenery(FileModel):
 
 
 def scenery_of(prepared: Prepared, scene: Scene | None) -> Scenery:
-    """Return the scenery of a prepared run; `scene` is its simulated world, or None for a real robot."""
+    """Return the constant data for a view of a run: robot, solid bodies, map and places.
+
+    Args:
+        prepared: the robot, its model of the world and its task, before the run.
+        scene: simulated world of the run; None for a real robot.
+    """
     places = {name: place.pose for name, place in prepared.model.places.items()}
     frame = Pose2(0.0, 0.0, 0.0) if scene is None else scene.world_T_map(prepared.robot.own_start)
     return Scenery(

@@ -14,10 +14,12 @@ Seven = tuple[float, float, float, float, float, float, float]
 
 
 def sevens(poses: FloatArray) -> FloatArray:
-    """Return poses as rows (n, 7): x, y, z in [m], and a unit quaternion w, x, y, z.
+    """Convert poses from homogeneous transforms to rows (n, 7) of position and unit quaternion.
+
+    A row is x, y, z in [m] and w, x, y, z of the quaternion, in the frame of the transforms.
 
     Args:
-        poses: (n, 4, 4) homogeneous transforms, in any one frame, which the rows keep.
+        poses: (n, 4, 4) homogeneous transforms, in any frame.
     """
     if len(poses) == 0:
         return np.empty((0, 7))

@@ -22,7 +22,7 @@ FLOOR_RGB: Rgb = (238, 240, 243)
 
 
 def of_solid(grey: int | None) -> Rgb:
-    """Return the RGB colour of a fixed solid: its grey value, or the colour of furniture without one."""
+    """Return the RGB colour of a fixed solid: grey, or the colour of furniture if no grey value is known."""
     return FURNITURE_RGB if grey is None else (grey, grey, grey)
 
 

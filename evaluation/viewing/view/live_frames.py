@@ -50,7 +50,7 @@ class LiveFrames:
         return self._robot.time
 
     def now(self, situation: str, action: int, restoring: bool, planned: FloatArray | None) -> Frame:
-        """Return the frame of this period.
+        """Return the state of the run in this period, to be drawn on the page.
 
         Args:
             situation: name of the current situation.

@@ -37,8 +37,9 @@ def rays_of(robot: RobotShape, ranges: FloatArray, base: FloatArray, height: flo
 
 
 def height_of(urdf: str) -> float:
-    """Return the height in [m] of the link `range_sensor` above the link `base`; a default without such
-    links.
+    """Return the height in [m] of the link `range_sensor` above the link `base`, by a robot's URDF.
+
+    It is `DEFAULT_HEIGHT_M` if the URDF has no such links.
     """
     from handcart.robotics.kinematics.urdf_frames import base_T_frame
 

@@ -16,7 +16,10 @@ PATH_PERIOD_S = 0.5  # after which the driven path is drawn again
 
 
 class RecordedFrames:
-    """Source of frames of a recorded run at any times; each contains the differences to the last frame."""
+    """Source of the states of a recorded run, at any times, for drawing them one after the other.
+
+    Each frame contains only the differences to the frame before it.
+    """
 
     def __init__(self, playback: Playback) -> None:
         self._playback = playback
@@ -30,7 +33,7 @@ class RecordedFrames:
         self._way = _thinned(playback)
 
     def at(self, time: float) -> Frame:
-        """Return the frame at a time in [s], with the differences to the frame of the previous call."""
+        """Return the state of the run at a time in [s], as differences to the previous call's frame."""
         playback = self._playback
         moment = playback.at(time)
         driven, restored = self._driven(moment.time)

@@ -64,7 +64,7 @@ class Replay:
         self._follow_slider()
 
     def play(self, playing: bool) -> None:
-        """Start if `playing`, otherwise pause; at the end of the recording, start from its beginning."""
+        """Start or pause the replay; at the end of the recording, start again from its beginning."""
         if playing and self._time >= self._playback.end:
             self.go_to(self._playback.start)
         self._playing = playing
