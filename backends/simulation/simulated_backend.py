@@ -85,7 +85,7 @@ class SimulatedBackend(Backend):
 
     @classmethod
     def needed(cls, world: Path | WorldFile | None) -> WorldFile:
-        """Return the world, read first if it is a path.
+        """Return the world; if it is given as a path, load it from that file.
 
         Raises:
             MissingWorld: no world is given.

@@ -33,7 +33,7 @@ _MAX_FOLDERS = 5000  # that are looked into below one entry
 def package_folders(name: str) -> Iterator[Path]:
     """Yield the folders that a package may be in, those of Python packages first.
 
-    Searched are Python packages; `share/NAME` under each entry of AMENT_PREFIX_PATH; packages under each
+    The search covers Python packages; `share/NAME` under each entry of AMENT_PREFIX_PATH; packages under each
     entry of ROS_PACKAGE_PATH; and `share/NAME` of Python's own prefix and of each folder of Python packages,
     where packages of pip put their data.
 

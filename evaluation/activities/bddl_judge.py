@@ -18,7 +18,7 @@ PREDICATES: Mapping[str, Callable[[TrueThing, TrueThing], bool]] = {
 
 
 class Verdict(NamedTuple):
-    """Whether the conditions of an activity hold, and those that do not."""
+    """Result of evaluating the conditions of an activity, with the conditions that do not hold."""
 
     holds: bool
     unsatisfied: tuple[str, ...]

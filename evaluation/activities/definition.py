@@ -98,7 +98,11 @@ def load_definition(name: str, instance: int = 0) -> Definition:
 
 
 def activity_names() -> list[str]:
-    """Return the names of all activities; raises NoBddl."""
+    """Return the names of all activities, in alphabetical order.
+
+    Raises:
+        NoBddl: the package `bddl` is missing or cannot be imported.
+    """
     return sorted(_bddl()[0].get_all_activities())
 
 

@@ -26,11 +26,14 @@ class ListedActivity(NamedTuple):
 
 
 def list_activities(robot: str, scale: bool = False) -> Iterator[ListedActivity]:
-    """Yield every activity, by name; raises NoBddl.
+    """Yield every activity, in alphabetical order.
 
     Args:
         robot: name or file of the robot.
         scale: True to make things narrower that are too wide for the robot's fingers.
+
+    Raises:
+        NoBddl: the package `bddl` is missing or cannot be imported.
     """
     for name in activity_names():
         try:

@@ -54,8 +54,8 @@ def make(
 
     Raises:
         NoBddl: the package with the definitions is missing.
-        FileError: the activity, or something in it, isn't known or not possible, at its line.
-        OSError: the folder can't be written.
+        FileError: the activity is unknown, or has a thing or relation that is unknown or impossible.
+        OSError: the folder cannot be written.
     """
     definition, room, scaled = plan_activity(name, instance, robot, scale)
     write_activity(definition, room, folder, _named_from(folder, robot))
@@ -77,7 +77,7 @@ def plan_activity(
 
     Raises:
         NoBddl: the package with the definitions is missing.
-        FileError: the activity, or something in it, isn't known or not possible, at its line.
+        FileError: the activity is unknown, or has a thing or relation that is unknown or impossible.
     """
     definition = load_definition(name, instance)
     relations = relations_of(definition)

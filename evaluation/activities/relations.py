@@ -53,7 +53,8 @@ def relations_of(definition: Definition) -> ActivityRelations:
     """Return the initial relations and the moves of an activity.
 
     Raises:
-        FileError: the activity needs things that our worlds or robots do not have; it lists all of them.
+        FileError: the activity needs things that the simulated worlds or robots do not have; it lists all of
+            them.
     """
     found = list(_unknown_things(definition))
     initial: list[ThingRelation] = []

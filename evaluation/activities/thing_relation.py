@@ -56,8 +56,8 @@ def relation_of(definition: Definition, literal: Literal) -> ThingRelation | Fin
     """Return the relation of a thing to furniture that a literal states.
 
     Returns:
-        The relation, or a finding if our simulated worlds cannot have it. None for a literal about the robot
-        or about a thing of unknown size, for which the caller reports a finding.
+        The relation, or a finding if the simulated worlds do not support it. None for a literal about the
+        robot or about a thing of unknown size, for which the caller reports a finding.
     """
     predicate, *terms = literal
     if predicate not in FORMS_OF or len(terms) != 2:

@@ -60,7 +60,7 @@ class BagLink(Link):
         return self._next >= len(self._messages)
 
     def pass_time(self, seconds: float) -> None:
-        """Advance the recording's clock by a time in [s]; `receive` then delivers the messages up to it."""
+        """Advance the recording's clock by a time in [s]; `receive` then delivers the messages until then."""
         self._time += seconds
 
     @override

@@ -11,7 +11,7 @@ from .bag_link import BagLink
 
 
 class PlayedBag(OtherEnd):
-    """Other end of a ROS connection that replays a robot's recorded messages and ignores all commands.
+    """Stand-in for a robot on a ROS connection, which replays recorded messages and ignores all commands.
 
     The recording advances with the program's control periods.
     """

@@ -23,7 +23,7 @@ def draw_stacking_errors(
     Args:
         errors: errors of the placed blocks.
         target: file to write.
-        limit_mm: maximum allowed error.
+        limit_mm: maximum allowed error, in [mm].
         processed: True to plot also the errors without the effect of the base's turn and tilt (Hatano et al.
             2000, eq. 12).
 

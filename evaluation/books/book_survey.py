@@ -55,7 +55,8 @@ class BookSurvey(Survey):
     def applies(cls, run: SurveyedRun) -> bool:
         """Return whether the run has shelves or returns books.
 
-        With shelves alone, the survey measures only the stops of the base before them.
+        If the run has shelves but returns no books, the survey measures only how exactly the base stops in
+        front of shelves.
         """
         return super().applies(run) or bool(run.scene is not None and run.scene.of(BookProps).shelves)
 

@@ -89,7 +89,7 @@ class Ladder:
 
     @property
     def next(self) -> Rung[Any] | None:
-        """First step that is not passed yet; None if all are."""
+        """First step that has not been passed yet; None if all steps have been passed."""
         done = len(self.records())
         return self.rungs[done] if done < len(self.rungs) else None
 

@@ -61,8 +61,8 @@ def camera_faults(robot: RobotFile, seed: int, found: Mapping[str, Calibrated]) 
 def suspension_faults(spots: Mapping[str, float], found: Mapping[str, Calibrated]) -> list[str]:
     """Return a message for each calibrated suspension parameter that contradicts the laser measurement.
 
-    The two may differ by the error of reading the laser spots plus 5 sigma, but not by more than a fixed
-    limit.
+    A parameter may differ from the measurement by the error of reading the laser spots plus 5 sigma of the
+    calibration, but not by more than a fixed limit.
 
     Args:
         spots: figures of a `LaserSurvey`.

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 def run_trial(setting: CampaignSetting, seed: int) -> Trial:
     """Execute one trial of a campaign, and return its result.
 
-    Depending on the setting, the trial is a run of the robot or a walk through the network of actions.
+    Depending on the setting, the trial is a run of the robot or a random walk through the network of actions.
     """
     if setting.varied is None:
         return _trial(setting, seed)

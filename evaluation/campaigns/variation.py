@@ -26,7 +26,7 @@ Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 
 
 class Grid(FileModel):
-    """Evenly spaced values, including both ends."""
+    """Evenly spaced values from one limit to another, including both."""
 
     least: float
     most: float

@@ -156,7 +156,7 @@ class KitSetting:
 
 
 def default_robot(own_tasks: Sequence[Path]) -> str:
-    """Return the robot of the first task of the user's own; without one, the kit's default.
+    """Return the robot of the first of the user's own tasks, or the kit's default robot if there are none.
 
     Raises:
         FileError: the task's file is invalid.

@@ -32,7 +32,7 @@ Result = CheckResult | Caught | Broken | list[FaultTrial] | Ran
 
 @dataclass(frozen=True)
 class KitReport:
-    """Results of all parts of the kit on one backend."""
+    """Results of all parts of the conformance kit on one backend."""
 
     backend: str
     robot: str

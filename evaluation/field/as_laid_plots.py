@@ -35,7 +35,7 @@ VI.
 
 
 class Laying(Protocol):
-    """Interface of the observations that plots need of a run in which the robot lays out seismic sensors."""
+    """Interface of the data that plots show of a run in which the robot lays out seismic sensors."""
 
     tracks: dict[str, list[Place]]
     station: TotalStation | None

@@ -66,7 +66,7 @@ class TotalStation:
 
     @property
     def sigma(self) -> float:
-        """Sigma of a reading, along each axis, in [m]."""
+        """Standard deviation of a measured position along each axis, in [m]."""
         return self._spec.accuracy_mm / 2e3
 
     def _hidden(self, reflector: FloatArray) -> bool:

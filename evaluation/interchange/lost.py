@@ -8,7 +8,7 @@ from handcart.files.errors import Finding
 
 
 class LostConstruct(NamedTuple):
-    """Construct of an imported file that the task cannot express, or only with another meaning."""
+    """Construct of an imported file that a task cannot express, or only with another meaning."""
 
     line: int
     """Its line in the file, from 1; 0 for objects in memory."""

@@ -42,7 +42,11 @@ class _Action(NamedTuple):
 
 
 def import_planning(path: Path | str, problem: Path | str | None = None) -> Imported:
-    """Return the task of a PDDL domain and problem, in one file or two; raises `FileError`."""
+    """Convert a PDDL domain and problem, in one file or two, to a task.
+
+    Raises:
+        FileError: domain or problem is missing, or cannot be converted.
+    """
     expressions = [*read_expressions(path), *(read_expressions(problem) if problem else [])]
     found = {_kind(expression): expression for expression in expressions if expression.head == "define"}
     for kind in ("domain", "problem"):

@@ -42,8 +42,8 @@ class AtGoal(behaviour.Behaviour):
 class DoAction(behaviour.Behaviour):
     """Behaviour of py_trees for one action of a task.
 
-    It is Failure in situations in which the action does not start, and Running after the action, so that the
-    tree goes on.
+    Its status is Failure in situations in which the action does not start, and Running after the action, so
+    that the tree goes on.
     """
 
     def __init__(self, number: int, row: Mapping[str, Any], memory: TreeMemory, carry: Carried) -> None:

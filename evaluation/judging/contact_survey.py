@@ -93,7 +93,7 @@ class ContactSurvey(Survey):
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
         """Return a message for each contact that an action with Success did not intend.
 
-        Empty after a Fail or GiveUp.
+        The list is empty after a Fail or GiveUp.
         """
         unmeant = self.unmeant()
         self._running = None

@@ -63,8 +63,8 @@ def reachable_floor(
 ) -> FloatArray:
     """Return points (n, 2), in [m], that a disc can reach from its start without touching obstacles.
 
-    They are in the frame of the boxes. Empty without outer walls around the start, because the disc could
-    then leave the area of the boxes.
+    They are in the frame of the boxes. The result is empty without outer walls around the start, because the
+    disc could then leave the area of the boxes.
 
     Args:
         boxes: x, y of the middle in [m], yaw in [rad], length and width in [m] of each obstacle.

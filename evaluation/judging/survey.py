@@ -158,7 +158,9 @@ class Survey(ABC):
         return []
 
     def notes(self) -> Any:
-        """Return the observations that a continued run needs and cannot repeat, as the type `noted`."""
+        """Return the observations that a continued run needs and cannot repeat, as a value of the type
+        `noted`.
+        """
 
     def go_on(self, noted: Any) -> None:
         """Restore the survey's observations from the interrupted run that this run continues.

@@ -21,8 +21,8 @@ T = TypeVar("T")
 class SurveyNotes:
     """File of the observations of surveys during a run, from which an interrupted run continues.
 
-    A note with its time is one line. If writing fails, for example on a full disk, the note is missing, but
-    the run goes on.
+    Each line holds the observations noted at one time. If writing fails, for example on a full disk, the line
+    is missing, but the run goes on.
     """
 
     def __init__(self, folder: Path, name: str) -> None:
@@ -30,9 +30,9 @@ class SurveyNotes:
         self._path = folder / name
 
     def until(self, time_s: float) -> list[dict[str, Any]]:
-        """Return the notes up to a time in [s], oldest first, and delete later notes from the file.
+        """Return the observations noted up to a time in [s], oldest first; delete later ones from the file.
 
-        The continued run executes the part after that time again.
+        The run is continued at this time, so it makes the later observations again.
 
         Raises:
             NoRun: the file is not readable, or is larger than a run makes it.

@@ -37,7 +37,7 @@ T = TypeVar("T")
 
 
 class NoSurvey(InputError):
-    """Error for an application domain that names a class which is not a survey; raised before a run."""
+    """Error for an application domain that names a class which is not a `Survey`; raised before a run."""
 
 
 def survey_kinds(run: SurveyedRun | None = None) -> tuple[type[Survey], ...]:

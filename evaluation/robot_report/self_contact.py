@@ -36,7 +36,7 @@ class SelfContact:
 
     @property
     def words(self) -> str:
-        """The number of postures with contact, as one line of text."""
+        """Number of random postures in which the robot touches itself, as one line of text."""
         return f"{self.tried - self.free} of {self.tried} random postures touch the robot itself"
 
     @property

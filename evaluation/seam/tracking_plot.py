@@ -21,7 +21,7 @@ def draw_tracking_errors(
     """Draw the distance of the tool from its path over time, one panel for each run, all of one scale.
 
     Args:
-        runs: title, times (k,) in [s] and errors (k,) in [m] of each.
+        runs: title, times (k,) in [s] and errors (k,) in [m] of each run.
         target: file to write.
         limit_mm: largest allowed error, in [mm]; None: no limit is drawn.
 

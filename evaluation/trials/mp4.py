@@ -14,9 +14,9 @@ _CODEC = {"preset": "ultrafast", "tune": "zerolatency", "crf": "23", "g": str(FR
 
 
 class Mp4:
-    """H.264 video in fragments of one second: a killed run loses at most its last second.
+    """H.264 video in fragments of one second, so that a killed run loses at most its last second.
 
-    A context manager that finishes the file on exit.
+    It is a context manager that finishes the file on exit.
     """
 
     def __init__(self, path: Path, size: tuple[int, int]) -> None:

@@ -13,7 +13,7 @@ from .spec import MarksSection
 
 
 class MarkProps(Props[MarksSection]):
-    """Sheets of paper with landmarks, pictures that resemble them, or calibration boards, in a world."""
+    """Printed sheets of a simulated world, such as calibration boards, in the order of the world's file."""
 
     section = MarksSection
 

@@ -41,7 +41,7 @@ class BoxDepth:
 
         Args:
             world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
-            boxes: bodies besides the floor at height 0; one that contains the camera is not seen.
+            boxes: bodies besides the floor at height 0; a body that contains the camera is not seen.
 
         Returns:
             Depth (h, w) along the optical axis, in [m], infinite where nothing is; and the index (h, w) in

@@ -26,9 +26,9 @@ NOTHING_HELD = np.zeros(3)
 class DoorRule(HandRule):
     """Rule that keeps a held handle on the path of its door.
 
-    Quasi-static: the arm is a spring. The door moves as soon as the spring pulls harder along the path than
-    the friction of the door; across the path, and at the stops, the door does not yield. The hand turns
-    freely about the bar.
+    The motion is quasi-static, and the arm acts as a spring. The door moves as soon as the spring pulls
+    harder along the path than the friction of the door; across the path, and at the stops, the door does not
+    yield. The hand turns freely about the bar.
     """
 
     STATE: ClassVar[Kinds] = {"grip": FloatArray}

@@ -38,7 +38,7 @@ class SimulatedDoorSpec(DoorShape):
 
     @property
     def stop(self) -> float:
-        """Largest opening, in [rad] or for a drawer in [m], that travel, a jam or a lock allows."""
+        """Largest opening that travel, a jam or a lock allows, in [rad], or in [m] for a drawer."""
         if self.locked:
             return self.opened
         jam = self.jams_deg if self.is_hinged else self.jams_mm
@@ -48,7 +48,10 @@ class SimulatedDoorSpec(DoorShape):
 
     @property
     def start(self) -> float:
-        """Smallest opening, in [rad] or for a drawer in [m], which is 0, or the present opening if locked."""
+        """Smallest possible opening, in [rad], or in [m] for a drawer.
+
+        It is 0, or the present opening of a locked door.
+        """
         return self.opened if self.locked else 0.0
 
     def true_joint(self) -> DoorJoint:

@@ -193,7 +193,7 @@ class Passers:
         """Return the distance of a footprint at world_T_base to the nearest passer's body in [m], and the
         passer's name.
 
-        Below 0 they overlap; infinity and "" without passers.
+        A negative distance means that they overlap. Without passers, the result is infinity and "".
         """
         gaps = ((gap, name) for name, gap in self._gaps(base, footprint))
         return min(gaps, default=(math.inf, ""))

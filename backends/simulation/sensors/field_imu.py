@@ -20,9 +20,9 @@ from .simulated_sensor import SensorSite
 class FieldImu(SimulatedImu):
     """Simulated IMU for open ground, with the errors of real gyros and accelerometers.
 
-    The gyros have errors of scale, a bias that decays while they warm up, and a random walk of it. The
-    accelerometers measure the base's acceleration along its path and in curves, with a bias, noise and,
-    while the base moves, vibration.
+    The gyros have errors of scale, and a bias that decays while they warm up and drifts as a random walk. The
+    accelerometers measure the base's acceleration along its path and in curves, with a bias, noise and, while
+    the base moves, vibration.
     """
 
     STATE: ClassVar = {

@@ -32,7 +32,7 @@ class SceneProps(ABC):
     @classmethod
     @abstractmethod
     def none_in(cls, scene: Any) -> Self:
-        """Return an empty collection of the domain's things, for a `Scene` whose file has no such keys."""
+        """Return an empty collection of the domain's things, for a scene whose file names no such things."""
 
     def things(self) -> Iterable[Thing]:
         """Return the things that hands can carry, in a fixed order."""

@@ -136,7 +136,7 @@ class FloorPlan:
     def gap(self, base: Pose2, footprint: Footprint, time: float) -> tuple[float, str]:
         """Return the distance of a footprint to the nearest present outline in [m], and the solid's name.
 
-        Below 0 they overlap; infinity without outlines.
+        A negative distance means that they overlap; it is infinite without outlines.
         """
         if footprint.is_disc:
             away, name = self.clearance(base.x, base.y, time)

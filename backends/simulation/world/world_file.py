@@ -85,7 +85,7 @@ class Surprise(Furniture):
 
 
 class TableSpec(FloorPose):
-    """A table: a slab on a pedestal in its middle. Its pose is that of the slab's middle on the floor."""
+    """A table, made of a slab on a pedestal; its pose is that of the slab's middle, on the floor."""
 
     name: Name
     size_m: tuple[Length, Length, Length]
@@ -148,7 +148,7 @@ class KidnapSpec(FileModel):
 
 
 class WorldFile(FileModel):
-    """Content of a world's file, the simulated surroundings of the robot, with keys for every world.
+    """Content of a world's file (the robot's simulated surroundings), without keys of application domains.
 
     `handcart.backends.simulation.world_files.world_model` adds the keys of application domains.
     """

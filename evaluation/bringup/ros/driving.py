@@ -45,7 +45,7 @@ def command(base: Base, forward: float, turn: float, sideways: float) -> None:
         base: the base.
         forward: speed forward, in [m/s].
         turn: turn rate, in [rad/s], positive to the left.
-        sideways: speed to the left, in [m/s]; ignored by a base that can't move sideways.
+        sideways: speed to the left, in [m/s]; ignored by a base that cannot move sideways.
     """
     if isinstance(base, HolonomicBase):
         base.drive(forward, turn, sideways)

@@ -136,7 +136,7 @@ def nudge(site: RosSite, backend: RosBackend, number: int, way: float, held: Hel
         site: robot or bench.
         backend: the robot.
         number: number of the joint, from 0.
-        way: motion by which the joint's command changes, in [rad] or [m]; it never changes by more.
+        way: change of the joint's command, in [rad] or [m]; the command never changes by more.
         held: returns whether the key is still held.
 
     Raises:

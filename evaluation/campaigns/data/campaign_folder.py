@@ -100,7 +100,7 @@ class CampaignFolder:
     def read_runs(cls, folder: Path) -> CampaignFolder:
         """Open the folder of a campaign that runs its task, not of one that estimates a rare outcome.
 
-        The task may be run in simulation, or only by its network's probabilities (a walk).
+        The task may be run in simulation, or only by its network's probabilities (a random walk).
 
         Raises:
             NoCampaign: the folder holds no campaign, or one that estimates a rare outcome.

@@ -64,9 +64,10 @@ class WalkedTrials:
         return np.asarray(walked.seconds.sum(axis=0) + self._odds.rest_s)
 
     def trial_of(self, seed: int, walked: Walked, column: int) -> Trial:
-        """Convert one walk to a trial with the records of its actions.
+        """Convert one random walk to a trial with the records of its actions.
 
-        The coordinator's decisions are repeated for the walk's outcomes, to name its actions and reasons.
+        The coordinator decides again for the walk's outcomes, which gives the names of the actions and the
+        reasons.
 
         Args:
             seed: seed of the trial.

@@ -28,7 +28,7 @@ class HeldOut(NamedTuple):
 
 
 class Trust(NamedTuple):
-    """Result of a two-fold cross-validation of learned probabilities, one comparison for each prediction."""
+    """Result of a two-fold cross-validation of learned probabilities, with one comparison a prediction."""
 
     tried: tuple[HeldOut, ...]
 

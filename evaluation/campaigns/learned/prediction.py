@@ -50,7 +50,7 @@ class Prediction(NamedTuple):
 
 
 def predict(task: Task, seen: SeenActions) -> Prediction:
-    """Predict the success and time of a task by simulated walks through its network of actions.
+    """Predict the success and time of a task by random walks through its network of actions.
 
     Seeds are fixed, so that equal data gives equal predictions.
 

@@ -81,7 +81,7 @@ def histogram(values: FloatArray, success: BoolArray, limit: float | None = None
     Args:
         values: (n,) in the metric's unit, at least one of them not NaN.
         success: (n,) True for trials that reached the goal.
-        limit: largest value allowed, if one exists.
+        limit: largest allowed value of the metric; None: the metric has no limit.
     """
     there = np.isfinite(values)
     edges = _edges(values[there])

@@ -32,7 +32,9 @@ class LevelSeen(NamedTuple):
 
     @property
     def part(self) -> float:
-        """Contribution of the level to the probability of the rare outcome, if all populations are alike."""
+        """Contribution of the level to the rare outcome's probability, by the counts of all populations
+        together.
+        """
         return self.share * self.hits / max(1, self.runs)
 
     @property

@@ -91,7 +91,7 @@ class CampaignReport:
         return None if at is None else self.trials[at]
 
     def spreads(self) -> dict[str, Spread]:
-        """Return the distribution of each metric, with 95 % intervals."""
+        """Return the distribution of each metric, with the 95 % interval of its median or share of yes."""
         return {name: self._spread(name) for name in self.tally.columns}
 
     def _spread(self, name: str) -> Spread:

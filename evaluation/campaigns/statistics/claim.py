@@ -97,7 +97,7 @@ class Settling:
         """Return the state of a claim after some trials; None without a claim.
 
         Args:
-            words: the claim, such as `p > 0.95`; None without one.
+            words: the claim, such as `p > 0.95`; None without a claim.
             seeds: seeds of all trials of the campaign, in the order in which they count.
             trials: trials that have ended.
 

@@ -34,7 +34,7 @@ class ExactValue:
 
 
 def exact_goal(task: Path, settings: Mapping[str, str]) -> float | str:
-    """Return P(goal) of a task by its file's probabilities, or a text that says why it is unknown."""
+    """Return a task's probability to reach its goal, by the task's file, or the reason why it is unknown."""
     return exact_end(task, settings, "Success")
 
 

@@ -26,9 +26,10 @@ def wilson(successes: int, count: int) -> tuple[float, float]:
 
 
 def median_interval(values: FloatArray) -> tuple[float, float] | None:
-    """Return the exact interval of the median of values (n,) by order statistics, at least 95 %.
+    """Return an exact interval of the median of values (n,), by order statistics.
 
-    None with fewer than 6 values. The ends are in the unit of the values.
+    The median is in it with a probability of at least 95 %. None with fewer than 6 values. The ends are in
+    the unit of the values.
     """
     below = bdtr(np.arange(len(values) + 1.0), len(values), 0.5)
     rank = int(np.searchsorted(below, (1.0 - CONFIDENCE_LEVEL) / 2.0))

@@ -35,7 +35,7 @@ def signed_rank(differences: FloatArray) -> float:
     """Return the two-sided p-value that differences (n,) of a metric are symmetric about 0, by Wilcoxon
     (1945).
 
-    Zero differences are dropped; 1 if no others are left.
+    Zero differences are dropped; the p-value is 1 if no others are left.
     """
     there = differences[differences != 0.0]
     if not len(there):

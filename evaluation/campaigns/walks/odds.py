@@ -28,7 +28,7 @@ class EndCode(IntEnum):
 
 
 class Odds(Protocol):
-    """Interface of a random model of how actions end and how long they take, for n walks at once."""
+    """Interface of a random model of how actions end and how long they take, for n random walks at once."""
 
     def ends(self, action: Int32Array, context: Int32Array, drawn: FloatArray) -> Int8Array:
         """Draw how each action ends, as an `EndCode` (n,).

@@ -79,7 +79,7 @@ class Walker:
         return int(self._table.start)
 
     def walk(self, draws: np.random.Generator, count: int) -> Walked:
-        """Simulate walks until all have ended, and return their actions, outcomes and durations.
+        """Simulate random walks until all have ended, and return their actions, outcomes and durations.
 
         Args:
             draws: random generator; the same generator state gives the same walks.

@@ -124,7 +124,7 @@ def signs_of_the_base(bench: KitBench, finding: CheckResult) -> None:
 def signs_of_sideways_motion(bench: KitBench, finding: CheckResult) -> None:
     """Check that a holonomic base moves to the left as commanded and does not turn.
 
-    This is compared with the wheels' readings and the ground truth.
+    The motion is taken from the wheels' readings and the ground truth.
     """
     if bench.spec().drive.kind != "holonomic":
         raise Skipped("the base cannot drive sideways")

@@ -30,7 +30,7 @@ MAX_COASTING_M = 0.02  # [m] that a base may roll on after its last command
 
 
 def limits(bench: KitBench, finding: CheckResult) -> None:
-    """Check that NaN, infinity, 1e308 and values just beyond a limit are rejected, and that nothing moves."""
+    """Check that commands of NaN, infinity, 1e308 and just beyond a limit are rejected and move nothing."""
     with bench.rig() as rig:
         commands = _bad_commands(bench, rig.backend)
         finding.measured.append(f"{len(commands)} tried")

@@ -31,7 +31,7 @@ class NoRehearsal(Exception):
 
 @dataclass(frozen=True)
 class Rehearsal:
-    """Run of a task on a backend into whose actions faults are injected."""
+    """Trial run of a task on a backend, with faults injected into the task's actions."""
 
     task: Path
     backend: str
@@ -48,7 +48,7 @@ class Rehearsal:
     def actions(self) -> list[Action]:
         """Return the actions that are run: the cheapest plan to the goal, and actions that only compute.
 
-        The latter are those in the situations of the plan that move nothing.
+        Actions that only compute move nothing; they are run if they begin in a situation of the plan.
 
         Raises:
             NoRehearsal: no plan leads to the goal.

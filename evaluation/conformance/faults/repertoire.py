@@ -17,7 +17,7 @@ from .rehearsal import DRIVE_MAP, EXPLORE_TASK, LOCATE_TASK
 
 
 def declared() -> dict[Path, Mapping[str, str]]:
-    """Return the task files, with settings, for the conformance kit: those of domains, and driving tasks."""
+    """Return the task files for the conformance kit, those of domains and driving tasks, with settings."""
     every = {path: settings for domain in domains() for path, settings in domain.rehearsals.items()}
     return {**every, DRIVE_MAP: {}, LOCATE_TASK: {}, EXPLORE_TASK: {}}
 

@@ -30,7 +30,7 @@ HANG_LIMIT_S = 15.0
 
 @dataclass(frozen=True)
 class Caught:
-    """Result of the kit for one mutant: whether it was found."""
+    """Result of testing whether the conformance kit finds one mutant."""
 
     name: str
     lie: str

@@ -31,7 +31,7 @@ def check_stamps(topic: str, stamps: FloatArray, received: FloatArray) -> StampR
     """Compare the header stamps of a topic with the times at which its messages were recorded.
 
     Args:
-        topic: name of the topic, which the notes contain.
+        topic: name of the topic, for the messages.
         stamps: (n,) header stamps in [s], in the order of recording.
         received: (n,) times of recording, in [s].
     """

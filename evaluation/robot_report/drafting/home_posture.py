@@ -72,7 +72,7 @@ def home_of(urdf_text: str, base: str, hand: str, joints: Sequence[JointFacts], 
 def radius_of(urdf_text: str, base: str) -> float:
     """Return the radius around a link's z axis that contains all bodies with the joints at zero, in [m].
 
-    0 without bodies.
+    It is 0 without bodies.
     """
     poses = link_poses(urdf_text)
     base_T_root = np.linalg.inv(poses[base])

@@ -28,7 +28,7 @@ def read_log(file: Path) -> list[can.Message]:
     """Return all frames of a CAN log, in their order in the file.
 
     Raises:
-        UnreadableLog: the file is missing, damaged, too long, or has another format than `LOG_SUFFIXES`.
+        UnreadableLog: the file is missing, damaged or too long, or its suffix is not in `LOG_SUFFIXES`.
     """
     if file.suffix.lower() not in LOG_SUFFIXES:
         raise UnreadableLog(file, f"its suffix is {file.suffix!r}")

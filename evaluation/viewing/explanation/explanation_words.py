@@ -34,7 +34,7 @@ MAX_ROUTE_ACTIONS = 6  # actions of a route that are named
 
 
 def in_words(explanation: Explanation, chart: Path | None) -> str:
-    """Return a text with one line for each action of the run, followed by the explained action.
+    """Return a text with one line for each action of the run, followed by the explanation of one action.
 
     Args:
         explanation: explanation of an action or of the run's end.

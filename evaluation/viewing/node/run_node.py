@@ -49,7 +49,7 @@ MESSAGE_KINDS = {
 
 
 class SecondNode(InputError):
-    """Error for a second run's node in the same ROS network, because a command could reach either run."""
+    """Error for a second run with a node in the same ROS network, where a command could reach either run."""
 
 
 class RunNode(RunObserver):

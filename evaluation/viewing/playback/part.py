@@ -142,7 +142,7 @@ _WIDTHS = {"pose": (3,), "truth": (7,), "covariance": (3, 3), "moved_pose": (7,)
 
 
 def millimetres(ranges: FloatArray) -> Uint16Array:
-    """Return lidar ranges as integers (...,) in [mm], with codes for no echo and invalid.
+    """Convert lidar ranges to integers (...,) in [mm], with codes for a missing echo and an invalid range.
 
     Args:
         ranges: (...,) in [m]; infinity without an echo, NaN or -infinity if invalid.

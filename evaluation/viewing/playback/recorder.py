@@ -46,9 +46,9 @@ class PlaybackRecorder(RunObserver):
     """Observer that records a run for playback in the folder `playback` of the run.
 
     It writes `scenery.json` at the start and parts `00001.npz`, ... during the run. They hold measurements,
-    estimates and, in simulation, the true state: see `RecordingPart`. The recorder reads nothing that the
-    run does not read anyway, so it does not change the run. A killed process loses the last part. An error,
-    for example a full disk, ends the recording but not the run.
+    estimates and, in simulation, the true state: see `RecordingPart`. The recorder reads only data that the
+    run reads anyway, so it does not change the run. A killed process loses the last part. An error, for
+    example a full disk, ends the recording but not the run.
     """
 
     def __init__(self) -> None:

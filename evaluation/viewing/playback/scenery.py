@@ -65,7 +65,7 @@ class MapShape(FileModel):
         """Return the map's picture (h, w), grey from 0 to 255, the row of the highest y first.
 
         Raises:
-            ValueError: the content is not a picture.
+            ValueError: the stored bytes are not a picture.
         """
         raw = np.frombuffer(base64.b64decode(self.png), np.uint8)
         found = cv2.imdecode(raw, cv2.IMREAD_GRAYSCALE) if len(raw) else None

@@ -46,7 +46,7 @@ class LiveFrames:
 
     @property
     def time(self) -> float:
-        """Time of the robot, in [s]."""
+        """Present time on the robot's clock, in [s]."""
         return self._robot.time
 
     def now(self, situation: str, action: int, restoring: bool, planned: FloatArray | None) -> Frame:

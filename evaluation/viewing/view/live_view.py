@@ -36,9 +36,9 @@ SPEED_LABELS = ("1", "2", "5", "20", FASTEST_LABEL)
 class LiveView(RunObserver):
     """Observer that shows a run live on a web page, which it draws in its own thread.
 
-    A simulated run is slowed down to the speed chosen on the page, at first real time; a real robot is
-    never slowed down. The view reads its data between two periods, and nothing that the run does not read
-    anyway, so it does not change the run.
+    A simulated run is slowed down to the speed chosen on the page, at first real time; a real robot is never
+    slowed down. The view reads its data between two periods, and only data that the run reads anyway, so it
+    does not change the run.
     """
 
     def __init__(self, server: viser.ViserServer, address: str) -> None:

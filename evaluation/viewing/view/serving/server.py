@@ -22,7 +22,7 @@ MAX_PORT_TRIES = 100  # ports from the first one on
 
 
 class NoView(InputError):
-    """Error: a run cannot be shown in the browser."""
+    """Error for a run that cannot be shown in the browser."""
 
 
 class Opened(NamedTuple):
