@@ -10,7 +10,11 @@ _heard: ContextVar[Callable[[str], None] | None] = ContextVar("heard", default=N
 
 
 def begin_stage(words: str) -> None:
-    """Report that a stage begins; nothing happens if nobody listens."""
+    """Report that a stage of a program begins, to the listener set with `hearing_of_stages`, if any.
+
+    Args:
+        words: name of the stage, such as "map and knowledge".
+    """
     heard = _heard.get()
     if heard is not None:
         heard(words)
@@ -18,7 +22,7 @@ def begin_stage(words: str) -> None:
 
 @contextmanager
 def hearing_of_stages(heard: Callable[[str], None]) -> Iterator[None]:
-    """Call `heard` with the name of each stage that begins in this context."""
+    """Call `heard` with the name of each stage of a program (`begin_stage`) that begins in this context."""
     before = _heard.set(heard)
     try:
         yield

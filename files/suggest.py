@@ -36,7 +36,8 @@ def nearest(name: str, allowed: Iterable[str], similarity: float = 0.6) -> str |
     Args:
         name: the unknown name.
         allowed: names that would have been valid.
-        similarity: least ratio of `difflib`, from 0 to 1; `MISSPELLED` where unknown names are allowed.
+        similarity: least ratio of `difflib`, from 0 to 1. Use the larger `MISSPELLED` for a key whose unknown
+            names are valid too, so that only likely misspellings are found.
     """
     folded = {candidate.casefold(): candidate for candidate in allowed}
     # Longer names are never meant, and difflib is quadratic.

@@ -22,7 +22,7 @@ FileModelT = TypeVar("FileModelT")
 
 @dataclass(frozen=True)
 class Loaded(Generic[FileModelT]):
-    """Checked value together with its document, which later checks need."""
+    """Checked value of a file, with the document that later checks need for the places of findings."""
 
     value: FileModelT
     document: Document
@@ -97,8 +97,8 @@ def load_part(
 ) -> FileModelT:
     """Return a part of a document as a typed value.
 
-    For parts whose type depends on another part of the file, such as the parameters of a primitive. Kinds are
-    not converted: text is not a number, true is not 1, 1.0 is not a whole number.
+    It is used for parts whose type depends on another part of the file, such as the parameters of a
+    primitive. Values are not converted: text is not a number, true is not 1, 1.0 is not a whole number.
 
     Args:
         document: the file.

@@ -65,7 +65,10 @@ class Document:
         return node.line, node.column
 
     def key_position(self, path: KeyPath) -> tuple[int, int]:
-        """Return line and column (from 1) of the key of the value at `path`; of the item itself in a list."""
+        """Return line and column (from 1) of the key of the value at `path`.
+
+        An item of a list has no key; its own position is returned.
+        """
         node, whole = self.root.deepest(path)
         return (node.key_line, node.key_column) if whole else (node.line, node.column)
 

@@ -56,7 +56,7 @@ class Influence:
 
 @dataclass(frozen=True)
 class Figures:
-    """Forecast of how runs of a task end, with the influence of each action on it."""
+    """Forecast of how runs of a task end, with the influence of each action on this forecast."""
 
     forecast: Forecast
     influences: tuple[Influence, ...]

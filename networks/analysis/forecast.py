@@ -61,7 +61,7 @@ class Forecast:
 
 
 def forecast(network: ActionNetwork, chances: Chances) -> Forecast:
-    """Return the exact forecast of a network.
+    """Return the probabilities of the ends of a network's runs, and their cost.
 
     Args:
         network: the network.

@@ -20,7 +20,7 @@ class Longest(NamedTuple):
     """Most actions of runs that end in the part, short of its goal."""
 
     def then(self, rest: Longest) -> Longest:
-        """Return the largest numbers for runs that first pass this part, and from its goal on `rest`."""
+        """Return the largest numbers of actions for runs through this part and then the part `rest`."""
         return Longest(self.through + rest.through, max(self.ended, self.through + rest.ended))
 
 
@@ -28,10 +28,11 @@ _NOWHERE = Longest(-math.inf, -math.inf)
 
 
 def longest_run(policy: Policy) -> Longest:
-    """Return the largest numbers of actions in runs of a policy, computed backwards from the runs' ends.
+    """Return how many actions a policy's runs start at most, if they reach the goal and if they do not.
 
-    The policy should include Fails that use up all attempts at once. If chance may lead a run in circles,
-    both numbers are `ActionNetwork.bound`; for an incomplete policy, they are those of its known runs.
+    Both numbers are computed backwards from the runs' ends. The policy should include Fails that use up all
+    attempts at once. If chance may lead a run in circles, both numbers are `ActionNetwork.bound`. States
+    without a step in an incomplete policy are left out.
     """
     if policy.circles:
         bound = float(policy.network.bound())

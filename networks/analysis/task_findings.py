@@ -74,7 +74,9 @@ def _leading_to(graph: nx.MultiDiGraph, goals: Collection[str]) -> set[str]:
 
 
 def unused_findings(task: Task, cases: WorstCases, best: Collection[int] | None = None) -> list[Finding]:
-    """Return findings on actions that no run ever plans, though they can be reached and lead on.
+    """Return findings on actions that no run ever plans, although a run could reach their situation.
+
+    Only actions from which the goal can be reached are considered.
 
     Exempt are actions on routes to situations of `otherwise`, which a run pursues if no route to the goal
     is left.

@@ -20,7 +20,10 @@ _GOAL, _ENDED, _LOST = -1, -2, -3
 
 
 class Quantile(NamedTuple):
-    """Quantile of the time of a run; an interval if random walks came to states missing in the chain."""
+    """Lower and upper bound of a quantile of the time of a run, estimated from random walks in a chain.
+
+    The bounds are equal unless a walk came to a state that is missing in the chain.
+    """
 
     low_s: float
     high_s: float

@@ -45,7 +45,7 @@ class Effort:
 
     @property
     def spent(self) -> float:
-        """Steps that are spent."""
+        """Number of steps of search that are spent so far."""
         return self._spent
 
     @property

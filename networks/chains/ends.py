@@ -23,11 +23,15 @@ class Ends(NamedTuple):
     """The run comes to a state that was not looked at."""
 
     def after(self, step: Moments) -> Ends:
-        """Return the ends of runs that first make a step, with its probability and cost, then this part."""
+        """Return the ends of runs that make a step before they enter this part of the network.
+
+        Args:
+            step: probability and cost of the step.
+        """
         return Ends(*(step.then(item) for item in self))
 
     def plus(self, other: Ends) -> Ends:
-        """Return the ends of runs that pass either this part or another one, by adding both."""
+        """Return the ends of runs that pass one of two parts, by adding the ends of both."""
         return Ends(*(a + b for a, b in zip(self, other, strict=True)))
 
     def then(self, rest: Ends) -> Ends:
@@ -36,7 +40,10 @@ class Ends(NamedTuple):
         return short.plus(rest.after(self.goal)).plus(rest.with_a_skip().after(self.skipped))
 
     def with_a_skip(self) -> Ends:
-        """Return the ends of the same runs if an element was skipped before; `goal` is added to `skipped`."""
+        """Return the ends if the runs have skipped an element before this part.
+
+        The probability and cost of `goal` are then part of `skipped`.
+        """
         return Ends(NEVER_REACHED, self.goal + self.skipped, self.no_way, self.give_up, self.unknown)
 
     def total(self) -> Moments:

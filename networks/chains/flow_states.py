@@ -73,8 +73,8 @@ class StateCodes:
 
         Args:
             state: the state.
-            mass: (3 or 6,) of the runs that come to the state, the probability, the cost in [s] and the
-                squared cost in [s²], or six numbers as in `FlowStates`.
+            mass: (3 or 6,) a row of `FlowStates.mass`: probability that a run comes to the state, and cost
+                in [s] and squared cost in [s²] of these runs; three more are for runs with a skipped element.
         """
         counts = np.zeros((1, len(self._counters)), np.uint16)
         for counter, fails in state.fails:

@@ -22,7 +22,7 @@ class Moments(NamedTuple):
         return Moments(self.p + other.p, self.first + other.first, self.second + other.second)
 
     def then(self, other: Moments) -> Moments:
-        """Return the moments of two independent steps, one after the other."""
+        """Return the probability and cost moments of this step followed by an independent step `other`."""
         return Moments(
             self.p * other.p,
             self.first * other.p + self.p * other.first,

@@ -74,7 +74,7 @@ def policy(
     Args:
         network: the network.
         for_good: whether to include Fails that use up all attempts at once.
-        effort: budget; None: `budget_of`.
+        effort: budget in steps of search; None: the network's default (`budget_of`).
         start: state in which the runs begin; None: the network's start without a Fail.
         chances: outcome probabilities, to leave out Fails of probability 0; None: all Fails may happen.
 

@@ -67,7 +67,8 @@ class RuleFlow:
     """Computation of the ends of all runs that follow the rule, in passes over states with 0, 1, 2... Fails.
 
     The rule takes the cheapest route to the goal. While nothing fails, all states with the same Fails share
-    one tree of routes. States below a least probability wait for the next pass, in which it is smaller.
+    one tree of routes. States whose probability is below a threshold are left for the next pass, which has a
+    smaller threshold.
     """
 
     def __init__(self, network: ActionNetwork, chances: Chances, effort: Effort) -> None:

@@ -56,7 +56,10 @@ class Step(NamedTuple):
 
     @property
     def all_failed(self) -> tuple[State | None, ...]:
-        """States after a Fail of the action, first for unnamed causes, then by `Action.fail_endings`."""
+        """States after a Fail of the action.
+
+        The first is for causes without an entry in `Action.fail_endings`; one for each entry follows.
+        """
         return (self.failed, *self.failed_by)
 
 
@@ -148,7 +151,7 @@ class Aftermath:
         Args:
             action: the action.
             fails: Fails before the action, by counter (`Action.counter`), as in `State.fails`.
-            committed: the actions that follow if it leads to its target.
+            committed: numbers of the planned actions that follow if this action leads to its `target`.
             hopes: True if the plan needed the action's Fail: then its Success uses up an attempt.
 
         Returns:
@@ -180,7 +183,10 @@ class Aftermath:
         return self._after(action, action.on_fail or action.source, _counted(fails, action.counter, after))
 
     def fails(self, action: Action, fails: Fails, happens: bool = True) -> list[State | None]:
-        """Return the states after a Fail: for causes not in `action.fail_endings`, then for each that is.
+        """Return the states after a Fail, one for each situation to which a Fail may lead.
+
+        The first state is that after causes without an entry in `action.fail_endings`, followed by one for
+        each entry.
 
         Args:
             action: the action.

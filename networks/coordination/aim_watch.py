@@ -85,9 +85,9 @@ class AimWatch:
 
     @property
     def expected(self) -> tuple[float, str] | None:
-        """Begin of the next round that waits for a time of day; None if no round waits for one.
+        """Start time of the next round, if this round waits for a time of day; otherwise None.
 
-        It is given in [s] of the robot's time, as expected, and as the time of day, "HH:MM:SS".
+        It is a pair of the expected instant, in [s] of the robot's time, and the time of day "HH:MM:SS".
         """
         if self._round_due is None:
             return None

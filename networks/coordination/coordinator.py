@@ -86,7 +86,12 @@ class Coordinator:
         self._aims = _aim_watch(robot, network, standing, clock)
 
     def request(self, what: Request, number: int | None = None) -> bool:
-        """Make a request to the run, as `ask` does, and return whether it was accepted."""
+        """Make a request to the run, such as a pause or a stop, and return whether it was accepted.
+
+        Args:
+            what: the request.
+            number: number of the action that is meant, as in `ask`.
+        """
         return not self.ask(what, number)
 
     def ask(self, what: Request, number: int | None = None) -> str:

@@ -155,7 +155,7 @@ class Supervision:
         Args:
             attempt: the attempt.
             time_out: time in [s] after which the attempt is called back; None: never.
-            late: reason in words of the Fail after `time_out`; "": that the action took longer.
+            late: message of the Fail after `time_out`; "" for the message "it took longer than ... s".
 
         Raises:
             Interrupted: the attempt was stopped; the robot holds where it is.

@@ -16,9 +16,10 @@ from .best_values import Decision
 
 
 def chances_of(network: ActionNetwork) -> list[Chance | None]:
-    """Return the outcome probabilities of a network's actions.
+    """Return the outcome probabilities of a network's actions, in the order of the network.
 
-    None for a skip; an action without stated probabilities succeeds with probability 1.
+    An action that only skips an element of a repeat has None. An action without stated probabilities succeeds
+    with probability 1.
     """
     return [None if action.binding is None else _chance(action) for action in network.actions]
 
@@ -30,8 +31,8 @@ def _chance(action: Action) -> Chance:
 class BestPlanner(Planner):
     """Planner by the best policy, which computes each of its decisions once and then keeps it.
 
-    A plan assumes the first result of each action (`Action.target`). For a goal other than the network's,
-    the plan is the cheapest route, as by the rule.
+    A plan assumes the first result of each action (`Action.target`). For a goal other than the network's, the
+    plan is the cheapest route.
     """
 
     def __init__(self, best: BestPolicy) -> None:

@@ -135,7 +135,10 @@ class ComponentSearch:
             effort.spend(STATE_STEPS * (len(table.states) - before))
 
     def decision(self, state: State) -> tuple[Action | None, float, float] | None:
-        """Return the best action in a state and its bounds in [s]; None if the state was not expanded."""
+        """Return the best action in a state, and the lower and upper bound of its expected cost, in [s].
+
+        The result is None if the state was not expanded.
+        """
         number = self._table.number(self._rows.key(state))
         if number is None or not self._table.expanded[number]:
             return None

@@ -58,9 +58,9 @@ class DrawnPrices:
     def of(self, policy: Policy) -> FloatArray:
         """Return the expected price of a policy in each draw, (draws,) in [s].
 
-        In states that were not looked at, a person is called. The equations of all draws are solved at once
-        by elimination, successors first: where a price is referred to, its equation takes its place. Little
-        fills in, because Fails only become more.
+        In states without a step in the policy, a person is called. The linear equations of the states' prices
+        are solved by elimination for all draws at once, successors first: each price in a state's equation is
+        replaced by the equation of that price. The system stays sparse, because Fails only become more.
         """
         if policy.start not in policy.steps:
             return np.full(len(self._draws), self._process.stop_price(policy.start.situation))

@@ -73,7 +73,8 @@ class Process:
     def price(self, action: Action) -> float:
         """Return the expected cost of starting an action, in [s].
 
-        It includes the price of calling a person, times the probability of GiveUp. A skip costs that price.
+        It includes the price of calling a person, times the probability of GiveUp. An action that skips an
+        element of a repeat costs as much as calling a person.
         """
         if action.binding is None:
             return self.person_s
@@ -111,7 +112,7 @@ class Process:
         ]
 
     def step(self, state: State, action: Action) -> Step:
-        """Return the decision for an action as a step of a policy."""
+        """Return the step of a policy that does an action in a state, with the states that may follow."""
         fails = state.fails
         succeeded = self.after.successes(action, fails)
         chance = None if action.binding is None else self.chances[action.index]

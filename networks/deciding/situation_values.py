@@ -57,7 +57,7 @@ class SituationValues:
 
         Args:
             situation: the situation.
-            out: numbers of the excluded actions, which start in the situation's component.
+            out: numbers of the excluded actions, which start in the same strongly connected component.
         """
         number = self._process.part[situation]
         if not out:

@@ -120,7 +120,7 @@ class StateRows:
         return np.frombuffer(self.key(state), np.uint16)[None, :]
 
     def state(self, row: Uint16Array) -> State:
-        """Return the state of a row (1 + counters,), as the class describes it."""
+        """Return the state of a row (1 + counters,), which holds a situation and counts of Fails."""
         counts: Mapping[int, int] = {
             self.counters[column]: int(row[1 + column]) for column in np.flatnonzero(row[1:])
         }
@@ -192,11 +192,11 @@ def _endings(process: Process, action: Action) -> list[tuple[float, str, bool]]:
 
 
 def counters_of(process: Process, part: int) -> list[int]:
-    """Return the counters whose number of Fails can differ between the states of a component.
+    """Return the counters whose number of Fails can differ between the states of a part of the network.
 
     Args:
         process: the network.
-        part: number of the component.
+        part: number of the part, which is a strongly connected component.
     """
     network, names = process.network, process.parts[part]
     found = dict.fromkeys(action.counter for name in names for action in process.out[name])

@@ -27,7 +27,9 @@ class Choices(NamedTuple):
 
 
 class StateTable:
-    """Table of a component's states, with bounds of their expected costs, for `ComponentSearch`.
+    """Table of the states of a strongly connected component of a network, with bounds of their costs.
+
+    `ComponentSearch` fills it. The costs are expected costs from a state on.
 
     An expanded state also has its options (the actions that can be started) and their transitions. States
     outside the component that directly follow one inside are included; the search sets their bounds.
@@ -250,7 +252,8 @@ class StateTable:
 
         Args:
             states: (n,) numbers of the states.
-            options: (n,) number of the option chosen in each state; `STOP_CHOICE` costs its `stop`.
+            options: (n,) number of the option chosen in each state; with `STOP_CHOICE` the run ends in the
+                state, for the state's price in `stop`.
         """
         cost = self.stop[states].copy()
         acts = options != STOP_CHOICE

@@ -17,7 +17,7 @@ MAX_LINE_CHARS = 40
 
 @dataclass(frozen=True)
 class Spot:
-    """A situation as drawn once, for one of the network or all copies that a `repeat` makes of it."""
+    """Drawn situation, which stands for one situation of the network, or for all its copies by a `repeat`."""
 
     name: str
     """Name as written in the file."""
@@ -30,7 +30,7 @@ class Spot:
 
 @dataclass(frozen=True)
 class FoldedAction:
-    """An action as drawn once, for one of the network or all copies that a `repeat` makes of it."""
+    """Drawn action, which stands for one action of the network, or for all its copies by a `repeat`."""
 
     source: Spot
     target: Spot

@@ -48,7 +48,10 @@ def style_of_box(box: DrawnBox) -> BoxStyle:
 
 
 def style_of_link(link: DrawnLink) -> LinkStyle:
-    """Return the style of a link, thicker if a run took it, in another colour if it is that of a Fail."""
+    """Return the style of a link between situations.
+
+    A link that a run took is thicker. A link after a Fail has another colour.
+    """
     if link.failed:
         return LinkStyle("#d55e00", 2.5 if link.travelled else 1.3)
     return LinkStyle("#0072b2", 2.5) if link.travelled else LinkStyle("#7b8b9c", 1.3)

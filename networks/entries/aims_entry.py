@@ -83,7 +83,10 @@ class DueEntry(FileModel):
 
 
 class InterruptEntry(FileModel):
-    """A goal that comes before the task's goal when a condition holds, between two actions."""
+    """Keys of an interrupt in a task file, a goal that is pursued first when a condition holds.
+
+    The condition is checked between two actions.
+    """
 
     name: str
     """Name in the journal."""
@@ -101,14 +104,17 @@ class InterruptEntry(FileModel):
 
 
 class SituationInterrupt(InterruptEntry):
-    """An interrupt of a task file with situations; its goal is one of them."""
+    """An interrupt of a task file that lists situations; the interrupt's goal is one of these situations."""
 
     goal: str
     """Situation to be reached first; from there the run continues to the task's goal."""
 
 
 class ConditionInterrupt(InterruptEntry):
-    """An interrupt of a task file with conditions, from which the network is generated."""
+    """An interrupt of a task file that states conditions, from which the task's network is generated.
+
+    The interrupt's goal is a list of facts.
+    """
 
     goal: Annotated[Conditions, Field(min_length=1)]
     """Facts that are to hold first; from there the run continues to the task's goal."""

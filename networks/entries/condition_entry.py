@@ -75,7 +75,7 @@ class ConditionEntry(TaskEntry):
 
     @property
     def target(self) -> str:
-        """Changes by a Success as text; the first ones if several are possible."""
+        """Changes of facts by a Success, as text; those of the first effect if it may have several."""
         return facts_in_words(self.endings[0].changes) or "the same"
 
     @property

@@ -91,7 +91,8 @@ class FactSpace:
     def name_of(self, state: State) -> str:
         """Return the name of a state's situation, which lists values of facts.
 
-        These are all physical facts, and known facts that do not have the first of their values.
+        The listed facts are all physical facts, and those facts about the robot's knowledge that do not have
+        the first of their possible values.
         """
         stated = (
             (name, values[number])

@@ -24,7 +24,7 @@ class Attempts(NamedTuple):
 
     @property
     def width(self) -> int:
-        """Step of a run's count for each renewal, one more than the largest number of Fails."""
+        """Amount by which each renewal raises a run's count, one more than the largest number of Fails."""
         return self.most + 1
 
     @property
@@ -50,10 +50,13 @@ class Attempts(NamedTuple):
         return count + 1 if fails < last else count
 
     def used_up(self, count: int) -> int:
-        """Return a run's count after a Fail that uses up all attempts at once."""
+        """Return a run's count (of Fails and renewals) after a Fail that uses up all attempts at once."""
         return count - count % self.width + self.most
 
     def renewed(self, count: int) -> int:
-        """Return a run's count after a renewal; unchanged if nothing has failed or no renewal is left."""
+        """Return a run's count (of Fails and renewals) after a renewal.
+
+        It is unchanged if nothing has failed or no renewal is left.
+        """
         renewals, fails = divmod(count, self.width)
         return (renewals + 1) * self.width if fails and renewals < self.renewals else count

@@ -20,11 +20,11 @@ class BeliefPrior(NamedTuple):
 
     @classmethod
     def of(cls, attempts: float | None, entries: Sequence[int | None]) -> BeliefPrior | None:
-        """Return the prior of a task.
+        """Return the beliefs with which a run of a task starts.
 
         Args:
-            attempts: number of attempts that the file's probabilities count for; None if a run does not learn
-                probabilities.
+            attempts: number of observed attempts that the file's probabilities weigh as much as; None if a
+                run does not learn probabilities.
             entries: number in the file of each action of the network; None if it skips an element.
 
         Returns:
@@ -58,7 +58,7 @@ class Judged(NamedTuple):
     """Number of each entry whose belief differs from the prior, and its weights a, b of Success and Fail."""
 
     def fields(self) -> dict[str, Any]:
-        """Return the choice as fields of a journal's record."""
+        """Return this choice between the rule and the file's policy as fields of a journal's record."""
         beliefs = [[entry, round(a, 6), round(b, 6)] for entry, a, b in self.beliefs]
         kept = {"follows": self.follows, "better": round(self.better, 6), "saved_s": round(self.saved_s, 6)}
         return {**kept, "beliefs": beliefs}

@@ -85,7 +85,7 @@ class CheapestTree:
 
         Args:
             here: number of the situation in the network.
-            spoiled: intervals of situations, as returned by `spoiled`.
+            spoiled: intervals of situations whose routes contain a failed action, as returned by `spoiled`.
         """
         number = self._enter[here]
         for enter, leave in spoiled:  # noqa: SIM110 (a generator takes twice as long)

@@ -10,7 +10,10 @@ MAX_VALUE_LENGTH = 24
 
 
 class SiblingAction(NamedTuple):
-    """Properties of an action that decide which other actions are like it, and how it differs from them."""
+    """Action of a network as compared with its siblings to tell them apart.
+
+    Siblings are actions with the same primitive, between the same situations.
+    """
 
     do: str
     source: str

@@ -186,7 +186,8 @@ class Action:
     def further(self, with_chances: bool) -> tuple[object, ...]:
         """Return data that planning depends on besides situations, cost and number of attempts.
 
-        These are further results, Fails' situations, shared or renewed attempts; empty for a plain action.
+        The data are the situations after other results and after Fails of certain causes, and the rules for
+        shared, renewed or unlimited attempts. They are empty for an action that has none of these.
 
         Args:
             with_chances: whether planning also depends on the probabilities of the outcomes.
@@ -213,7 +214,7 @@ class Action:
 
     @property
     def name(self) -> str:
-        """The primitive's name, followed by the action's `distinction` if other actions do the same."""
+        """The primitive's name, with `distinction` if another action does it between the same situations."""
         return f"{self.do} with {self.distinction}" if self.distinction else self.do
 
     def __str__(self) -> str:

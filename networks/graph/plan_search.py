@@ -324,9 +324,9 @@ class PlanSearch:
 
 
 def hopes_of(action: Action) -> list[str]:
-    """Return the situations other than its target that an action may lead to by Fails or further results.
+    """Return the situations to which Fails and further results of an action may lead, without its `target`.
 
-    Those of probability 0 are left out.
+    Situations that are reached with probability 0 are left out.
     """
     others = [other.target for other in action.others if other.p != 0.0]
     certain = action.p_success is not None and action.p_success + action.p_give_up >= 1.0 - 1e-12

@@ -32,7 +32,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class NoWay:
-    """Result of planning if no action that is left leads on to the goal."""
+    """Result of planning if no route to the goal remains, because attempts of actions are used up."""
 
     situation: str
     blocking: tuple[Action, ...]

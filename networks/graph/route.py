@@ -69,7 +69,7 @@ class RunDecisions:
     def has_next_round(self) -> bool:
         """True if another round follows after this one.
 
-        Rounds must be left, and the facts of the present situation must be those of the network's start.
+        This is so if rounds remain, and the facts of the present situation are those of the network's start.
         """
         rounds = self.network.aims.rounds
         if rounds is None or (rounds.most is not None and self.round >= rounds.most):
@@ -173,8 +173,8 @@ class RunDecisions:
     def took(self, outcome: Outcome | NotStarted) -> None:
         """Move to the situation that the outcome of the action `next` leads to; count the Fail if it is one.
 
-        A GiveUp changes nothing. `NotStarted` counts as a Fail. So does `Elsewhere`, which also names the
-        situation that holds now.
+        A GiveUp changes nothing. `NotStarted` counts as a Fail. `Elsewhere`, the result after somebody has
+        changed the world, counts as a Fail too, and the run moves to the situation that it names.
 
         Args:
             outcome: outcome of the action `next`.

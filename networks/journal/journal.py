@@ -172,7 +172,8 @@ class Journal:
     def durable(self) -> bool:
         """True if all records are on the disk, as far as `sync` demands it; always True with `never`.
 
-        With `beside` another thread writes them to the disk, so that it becomes True after a moment.
+        With `beside`, another thread writes the records to the disk, so that the value becomes True with a
+        short delay.
 
         Raises:
             JournalError: the records cannot be brought to the disk; every further record raises it, too.

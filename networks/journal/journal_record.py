@@ -48,8 +48,8 @@ def seal(body: bytes, wall: Mapping[str, Any]) -> tuple[bytes, str]:
 
     Args:
         body: a JSON object as orjson writes it, including the checksum of the record before it.
-        wall: fields that differ between two runs of one seed: `unix_s`, in [s] since 1970, and maybe more;
-            they have a checksum of their own, outside the chain.
+        wall: fields that differ between two runs of one seed, such as `unix_s`, in [s] since 1970. They have
+            a checksum of their own, which the next record does not contain.
     """
     checksum = blake2b(body, digest_size=12).hexdigest()
     head = b'%b,"h":"%b","wall":%b' % (body[:-1], checksum.encode(), orjson.dumps(wall)[:-1])
@@ -57,7 +57,7 @@ def seal(body: bytes, wall: Mapping[str, Any]) -> tuple[bytes, str]:
 
 
 def without_wall(record: dict[str, Any]) -> dict[str, Any]:
-    """Return a record without times of the wall clock: equal in two runs of one seed."""
+    """Return a record without its times of the wall clock, as it is equal in two runs of one seed."""
     return {key: value for key, value in record.items() if key != "wall"}
 
 

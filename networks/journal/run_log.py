@@ -156,7 +156,12 @@ class RunLog(Intents):
         self._tell(lambda: Ended(self._robot.time, self.started, action, primitive, outcome, changes))
 
     def stopped(self, cause: str, asked: float) -> None:
-        """Log that the robot was commanded to stop just now, as was requested at the time `asked`, in [s]."""
+        """Log that the robot was commanded to stop just now.
+
+        Args:
+            cause: cause of the stop.
+            asked: time of the request to stop, in [s] of the robot's time.
+        """
         sent = round(self._robot.time, 6)
         self._write("STOP", records.StopRecord(cause=cause, asked_s=round(asked, 6), sent_s=sent))
 

@@ -62,7 +62,12 @@ class ControlLine:
         return line
 
     def answer(self, line: bytes, now: float) -> None:
-        """Queue a line for sending, at a time `now` in [s] of the wall clock."""
+        """Send a line to the client, or its beginning if the socket takes no more for now.
+
+        Args:
+            line: the line without its line end.
+            now: present time, in [s] of the wall clock.
+        """
         self._goes = b"" if self._deaf else line + b"\n"
         self._send(now)
 

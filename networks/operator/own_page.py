@@ -34,14 +34,15 @@ class OwnPage:
         self.token = secrets.token_urlsafe(24)
 
     def stranger(self, host: str | None, origin: str | None, site: str | None) -> Refusal | None:
-        """Return why a request does not come from this server's page, by its headers; None if it may.
+        """Return the refusal of a request whose headers show that it comes from another site.
 
-        The request's token still has to be checked with `knows` (rows U2 and U3 of faults.md).
+        The result is None otherwise. The request's token still has to be checked with `knows` (rows U2 and U3
+        of faults.md).
 
         Args:
-            host: header Host; None if it is missing, as for the others.
-            origin: header Origin.
-            site: header Sec-Fetch-Site.
+            host: header Host; None if it is missing.
+            origin: header Origin; None if it is missing.
+            site: header Sec-Fetch-Site; None if it is missing.
         """
         if host not in self.hosts:
             return Refusal(421, "another host's name: this page is reached by the address that was printed")

@@ -51,7 +51,12 @@ class Permits:
         return self._breaks
 
     def break_at(self, situation: str, on: bool) -> None:
-        """Set a break point at a situation, or remove it."""
+        """Set or remove a break point, so that the operator is asked before actions out of a situation.
+
+        Args:
+            situation: the situation.
+            on: True to set the break point, False to remove it.
+        """
         (self._breaks.add if on else self._breaks.discard)(situation)
 
     def answer(self, permitted: bool) -> None:

@@ -45,7 +45,10 @@ class JournaledNetwork:
 
     @cached_property
     def values(self) -> RunOptionValues:
-        """Computation of the expected results of the network's actions, kept for all decisions of a run."""
+        """Cache of the options' expected results, used for all decisions of a run.
+
+        An option is an action that a run can take next.
+        """
         return RunOptionValues(self.network)
 
 

@@ -91,6 +91,6 @@ def on_the_map(poses: FloatArray, located: BoolArray) -> FloatArray:
 
 
 def load_track(file: Path | BytesIO) -> RunTrack:
-    """Load a saved track."""
+    """Load the saved track of a run, which has the robot's pose and action in each control period."""
     with np.load(file, allow_pickle=False) as arrays:
         return RunTrack(**{name: arrays[name] for name in RunTrack._fields})

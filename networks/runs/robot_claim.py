@@ -31,11 +31,12 @@ class NoClaimFolder(InputError):
 class RobotClaim:
     """Exclusive claim of a real robot by this process, with the path of its run in a small file.
 
-    If that run gave up, or was broken off during an action, it waits until a person has acknowledged it.
-    Meanwhile every further claim of the robot is refused (row N13 of faults.md), so that a service that
-    starts runs again and again moves nothing. Only the run's journal decides whether it waits.
+    A run waits for a person if its journal shows that it gave up, or was broken off during an action. Until a
+    person has acknowledged the run, every further claim of the robot is refused (row N13 of faults.md), so
+    that a service that starts runs again and again moves nothing.
 
-    It is a context manager. Its end releases the robot, and clears the path if the run does not wait.
+    The claim is a context manager. Its end releases the robot, and clears the path in the file unless the run
+    waits for a person.
     """
 
     def __init__(self, backend: Backend, folder: Path, own: Path | None = None) -> None:

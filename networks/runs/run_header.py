@@ -96,8 +96,9 @@ def network_fields(network: ActionNetwork) -> dict[str, Any]:
 def is_of_network(header: Mapping[str, Any], network: ActionNetwork) -> bool:
     """Return whether a journal's first record was written for a network.
 
-    If the checksums differ, the network in the header is compared, without parameters that have their default
-    values. The checksum also changes if a later version of a primitive has further parameters.
+    The checksums of both networks are compared first. They also differ if a later version of a primitive has
+    further parameters; therefore the networks themselves are compared next, without parameters that have
+    their default values.
     """
     if has_fingerprint(header, network):
         return True

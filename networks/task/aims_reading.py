@@ -67,7 +67,7 @@ def goal_copies(network: Copies, name: str) -> tuple[str, ...]:
 
 
 def round_faults(network: ActionNetwork) -> Iterator[Fault]:
-    """Yield a fault if a task with rounds does not end where it began."""
+    """Yield a fault if a task that is repeated in rounds has a goal with other facts than its start."""
     start, goal = (network.situations[name] for name in (network.start, network.goal))
     if network.aims.rounds is not None and dict(start.facts) != dict(goal.facts):
         differing = [name for name in start.facts if start.facts[name] != goal.facts.get(name)]

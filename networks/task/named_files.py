@@ -43,7 +43,10 @@ def no_file(path: Path) -> str:
 
 
 def with_set(document: Document, settings: dict[str, str]) -> Document:
-    """Return a task with the values of `--set KEY=VALUE`; `robot` and `policy` may be set in any task."""
+    """Return a task's document with the values of the command line's `--set KEY=VALUE` filled in.
+
+    `robot` and `policy` may be set in any task; other keys only if the task has them as settings.
+    """
     declared = document.root.deepest((*SETTINGS_SECTION, "robot"))[1]
     if "policy" in settings and not document.root.deepest((*SETTINGS_SECTION, "policy"))[1]:
         document = document.with_value(("policy",), setting_value("policy", settings.pop("policy")))

@@ -15,7 +15,7 @@ from .task_model import ActionEntry, Each, Repeat
 
 
 class NotRepeated(ValueError):
-    """Error of a part that can't be copied for its elements; the message says why."""
+    """Error of a repeated part that can't be copied for its elements, with the reason as message."""
 
     def __init__(self, message: str, part: KeyPath) -> None:
         super().__init__(message)
@@ -88,10 +88,11 @@ class Repetition:
         )
 
     def count(self) -> int:
-        """Return the number of elements.
+        """Return the number of elements for which the part is repeated.
 
         Raises:
-            NotRepeated: as in `elements`.
+            NotRepeated: the part iterates over a list in the surrounding part's element, and that element has
+                no such list.
         """
         return len(self._over()[1])
 
@@ -109,7 +110,7 @@ class Repetition:
         return path, values
 
     def of(self, name: str, number: int) -> str:
-        """Return the name that a situation of the part has in the copy for one element.
+        """Return the name of a situation of the repeated part in the part's copy for one element.
 
         Args:
             name: name of the situation in the file.
@@ -126,7 +127,8 @@ def repetitions(
     Args:
         repeats: entries of the file's list `repeat`, by their numbers in it.
         entries: the task's actions.
-        outside: situations that belong to no part, though actions in it may lead there: those of `otherwise`.
+        outside: situations that belong to no repeated part although its actions may lead there; they are
+            those of the file's key `otherwise`.
     """
     actions = list(entries)
     alike = Counter(repeat.name for repeat in repeats.values())

@@ -129,7 +129,10 @@ class TaskHead(AimsHead):
 
     @property
     def belief_attempts(self) -> float | None:
-        """Number of attempts that the file's probabilities count for; None if a run does not change them."""
+        """Number of observed attempts to which the file's probabilities are equivalent, as a prior.
+
+        It is None if a run does not update the probabilities.
+        """
         return None if self.belief is None or self.policy == "rule" else self.belief.attempts
 
 

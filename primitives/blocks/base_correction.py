@@ -129,15 +129,18 @@ class ByImu(FixOnce):
 
 
 class FixAgain(FixOnce):
-    """Correction by measuring the base's pose at the landmark again, with the block in the hand."""
+    """Correction of the base's turn and tilt by measuring its pose again at the landmark before placing.
+
+    The hand holds the block during this second measurement, which replaces the first.
+    """
 
     views_landmark: ClassVar = True
 
 
 class FixAgainModel(ByModel):
-    """Correction by viewing the landmark again, and from then on by the suspension's model.
+    """Correction of the base's turn and tilt by a second view of the landmark and the suspension's model.
 
-    The base's pose by the new view is fused with that by the earlier one.
+    The poses of the base from both views are fused. The model predicts turn and tilt after the second view.
     """
 
     views_landmark: ClassVar = True
@@ -154,9 +157,9 @@ class FixAgainModel(ByModel):
 
 
 class FixAgainImu(FixAgainModel):
-    """Correction by viewing the landmark again, and from then on by the inertial sensors.
+    """Correction of the base's turn and tilt by a second view of the landmark and the inertial sensors.
 
-    The base's pose by the new view is fused with that by the earlier one. The gyros measure the base's turn;
+    The poses of the base from both views are fused. After the second view, the gyros measure the base's turn;
     the accelerometers measure the tilt that the suspension's model does not predict.
     """
 
@@ -190,7 +193,10 @@ class FixAgainImu(FixAgainModel):
 
 
 class Servo(FixOnce):
-    """Correction by measuring the goal relative to a landmark next to it, with the block in the hand."""
+    """Correction of the base's motion before a placing, by viewing a landmark next to the goal.
+
+    The goal is measured relative to that landmark while the hand holds the block over it.
+    """
 
     views_goal: ClassVar = True
     looks: ClassVar = 2

@@ -62,12 +62,12 @@ def see_block(
 
 
 def why_unseen(robot: Robot, plan: Building, base_T_block: Transform) -> str:
-    """Return the reason in words why `see_block` has just found no block, by a further picture.
+    """Return a message why `see_block` has just found no block; it takes a further picture for that.
 
     Args:
-        robot: robot whose camera is still over the place.
+        robot: robot whose camera is still over the place where the block was expected.
         plan: building plan with the size of the blocks.
-        base_T_block: (4, 4), expected pose.
+        base_T_block: (4, 4) expected pose of the block.
     """
     length, width, height = plan.block
     photo = robot.photo()

@@ -29,7 +29,7 @@ class LandmarkPlan(LevelPose):
 
 
 class BlockPlace(LevelPose):
-    """Goal of a block, on the map."""
+    """Level pose on the map at which a block is to be placed."""
 
     landmark: str | None = None
     """Name of a landmark next to the goal, if any."""

@@ -210,10 +210,9 @@ def upright(fixed: Fixed, known: SuspensionModel, height: float, beside: Transfo
     Args:
         fixed: fixation with the measured pose.
         known: suspension model, which predicts the tilt.
-        height: height of the landmark above the floor, in [m]; a tilt moves a higher one further in the
-            picture.
-        beside: (4, 4) motion of the base, in the base frame, by tilt that the model does not predict,
-            corrected as well.
+        height: height of the landmark above the floor, in [m]; the effect of the tilt depends on it.
+        beside: (4, 4) motion of the base, in the base frame, by tilt that the model does not predict. This
+            motion is corrected as well.
     """
     hand = transform((*fixed.reach, height))
     seen = beside @ known.displaced(hand, np.eye(4), 0)

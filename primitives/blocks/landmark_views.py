@@ -84,7 +84,7 @@ class LandmarkViews:
         self.frames = 0
 
     def look(self) -> Generator[None, None, None]:
-        """Wait until the robot rests, take a picture, and update the explanations of all marks seen so far.
+        """Wait until the robot rests, take a picture, and assign all marks seen so far to landmarks again.
 
         If the base was moved since the last picture, marks in earlier pictures are forgotten.
         """
@@ -143,7 +143,7 @@ class LandmarkViews:
         return bool(self._inside(self._cameras[-1], mark.kind, [place])[0])
 
     def telling_hands(self, start: Transform) -> list[Transform]:
-        """Return poses base_T_hand from which a picture can decide between the explanations.
+        """Return poses base_T_hand from which a picture can decide which assignment to landmarks is right.
 
         The most informative one is first.
 

@@ -90,7 +90,10 @@ class PickUp(TreePrimitive):
         return ""
 
     def observe(self, robot: Robot, model: ModelView) -> Generator[None, None, Seen]:
-        """Return the position of the book's tag in the base frame, in [m]; empty if the tag is not seen."""
+        """Return the position of the book's tag in the base frame, in [m], under the name `book`.
+
+        The result is empty if the tag is not seen.
+        """
         books = model.of(Books)
         if books.book is None:
             raise Discrepancy("no book has been recognized", permanent=True, cause=causes.NOT_KNOWN)

@@ -62,10 +62,10 @@ MAX_SIDE_GAP_M = 0.002  # between the sides of two books, at most
 class Search(ActionPrimitive):
     """Look along the shelf, read the labels, and find the slot where the book belongs.
 
-    The camera moves on a straight line from left to right and stops for each view, past a held book. A book
-    on the tray would be in the hand's way, so that it has to be picked up first. The slot is then viewed
-    twice more from nearly straight ahead. The slot's position is relative to the shelf's pose as measured
-    now; APPROACH measures it again.
+    The camera moves on a straight line from left to right and stops for each view; it looks past a book in
+    the hand. A book that lies on the tray has to be picked up first, because it would be in the hand's way.
+    The slot is then viewed twice more from nearly straight ahead. The slot's position is relative to the
+    shelf's pose, which is measured at the start of the search and again by the primitive APPROACH.
     """
 
     shelf: PlaceName

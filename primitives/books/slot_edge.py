@@ -31,7 +31,7 @@ SLOT_BRIGHTNESS_RATIO = 0.65  # a slot's brightness, against the spine's
 
 
 def seen_past(view: HandView) -> Strips:
-    """Return strips of a picture that show the shelf past a held book, at the book's height."""
+    """Return averaged rows of a picture, at the height of a held book, past which they show the shelf."""
     return _strips(view, STRIP_HEIGHTS_M)
 
 
@@ -42,7 +42,7 @@ def slot_edge(strips: Strips, expected: float, within: float, surely: float) -> 
     takes precedence over others.
 
     Args:
-        strips: strips of the picture past the held book.
+        strips: averaged rows of the picture, where it shows the shelf past the held book.
         expected: y of the side in an earlier view, in [m].
         within: maximum distance of a darker edge from `expected`, in [m].
         surely: maximum distance of another edge from `expected`, in [m].
@@ -65,8 +65,8 @@ def moved(strips: Strips, sides: Sequence[float], within: float) -> float | None
     sides. The shift in which most sides agree is returned; if several do, the smallest of them.
 
     Args:
-        strips: strips of the picture past the held book.
-        sides: y in the shelf frame in an earlier view, in [m].
+        strips: averaged rows of the picture, where it shows the shelf past the held book.
+        sides: y of the books' left and right sides in an earlier view, in the shelf frame, in [m].
         within: maximum shift, in [m].
     """
     edges = np.array(all_sides(strips))

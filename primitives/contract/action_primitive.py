@@ -113,15 +113,15 @@ class ActionPrimitive(FileModel, ABC):
     def thing(self, model: ModelView) -> str:
         """Return the name, in simulated worlds, of the thing that the primitive takes, carries or releases.
 
-        Empty if there is none, or if its name is not known.
+        The name is empty if there is no such thing, or if its name is not known.
         """
         return ""
 
     def lacking(self, kinds: Sequence[type[Capability]], model: ModelView) -> str:
         """Return, in words, what the robot lacks for this instance's parameters; empty if it lacks nothing.
 
-        Called when a task is checked. If anything is lacking, the task is refused, as it is for capabilities
-        in `needs` that the robot lacks.
+        The method is called when a task is checked. If it returns a text, the task is refused, as it is for
+        capabilities in `needs` that the robot lacks.
 
         Args:
             kinds: classes of the robot's capabilities.
@@ -132,8 +132,8 @@ class ActionPrimitive(FileModel, ABC):
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         """Return a message about a condition for the start that is not met; empty if all are met.
 
-        Called at rest, after `hand` and `arm_inside` were checked, and before anything moves. If a message is
-        returned, the action is not started, which counts as its Fail, and the run is planned again.
+        The method is called at rest, after `hand` and `arm_inside` were checked. If it returns a message, the
+        action is not started, which counts as a Fail of the action, and the run is planned again.
         """
         return ""
 

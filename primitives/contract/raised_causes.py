@@ -39,7 +39,7 @@ def framework_causes() -> tuple[CauseKind, ...]:
 
 
 def possible_causes(kind: type[ActionPrimitive]) -> tuple[CauseKind, ...]:
-    """Return all causes that an attempt of a primitive may have, in alphabetical order."""
+    """Return all causes with which an attempt of a primitive may fail or give up, in alphabetical order."""
     return _sorted({*causes_of(kind), *framework_causes()})
 
 

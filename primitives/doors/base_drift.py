@@ -18,7 +18,10 @@ MIN_RECORDS = 10
 
 
 class BaseDrift:
-    """Recorder of points in the base frame that corrects a slow drift of the base, by lidar scans."""
+    """Recorder of measured points in the base frame, corrected for a slow drift of the base.
+
+    The drift is estimated from lidar scans.
+    """
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -49,8 +52,9 @@ class BaseDrift:
     def points(self) -> FloatArray:
         """Return all points (n, 3) in the base frame at the time of the last one, in [m].
 
-        The base's motion between them is estimated from the scans. Without a lidar, or if the scans are too
-        few or do not match, the points are returned as recorded.
+        The base's motion from each record of a point to the last is estimated from the lidar scans at these
+        times. Without a lidar, or if the scans are too few or do not match, the points are returned as
+        recorded.
         """
         points, motions = np.array(self._points), self._motions()
         if motions is None:

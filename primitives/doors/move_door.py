@@ -127,7 +127,10 @@ class MoveDoor(ActionPrimitive):
 
     @override
     def observe(self, robot: Robot, model: ModelView) -> Generator[None, None, Seen]:
-        """Measure the position of the handle in the base frame, in [m]; empty if the handle is not seen."""
+        """Return the measured position of the handle in the base frame, in [m], under the door's name.
+
+        The result is empty if the handle is not seen.
+        """
         if self.door not in model.of(Doors).doors.doors:
             return {}
         joint = self.believed_joint(robot, model)

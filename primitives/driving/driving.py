@@ -188,8 +188,10 @@ class FieldObstacleMonitor:
         return np.asarray(sensed[np.hypot(*(sensed - blocking).T) < OBSTACLE_MEMORY_RADIUS_M])
 
     def around(self, robot: Robot, blocking: FloatArray) -> FloatArray:
-        """Return the points (n, 2) of this period's scan around a point (2,) that the base would touch,
-        both in the field's frame, in [m].
+        """Return an obstacle's points (n, 2) near the point (2,) of it that the base would touch.
+
+        These are that point and the unexpected points near it in this period's scan; all are in the field's
+        frame, in [m].
         """
         return np.vstack([blocking, self.kept(self.unexpected(robot), blocking)])
 

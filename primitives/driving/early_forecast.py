@@ -25,21 +25,21 @@ HOPELESS_RATIO = 3.0  # of what the place needs: what no map shows, and good whe
 def check_will_be_determined(
     robot: Robot, grid: GridMap, name: str, place: Place, need: PoseNeed, route: FloatArray
 ) -> Generator[None, None, None]:
-    """Check before a long drive that localization at the route's end will not be far too uncertain.
+    """Raise Discrepancy before a long drive if the pose at the route's end would be far too uncertain.
 
     The localizer is simulated along the route, with scans computed from the map, as in `handcart check`.
-    Short routes are not checked.
+    Short routes are not checked, nor places at which the base docks, which does not need the map.
 
     Args:
         robot: the robot, at rest at the route's start.
         grid: the map.
         name: name of the place.
-        place: place at the route's end; one whose front is measured does not need the map.
+        place: place at the route's end.
         need: required accuracy of the pose there.
         route: (n, 2) on the map, in [m].
 
     Raises:
-        Discrepancy: map and lidar will not determine the pose there, by far.
+        Discrepancy: the expected uncertainty of the pose there is `HOPELESS_RATIO` times its limit or more.
     """
     length = float(np.hypot(*np.diff(route, axis=0).T).sum())
     if length < LONG_DRIVE_M or place.docks or robot.spec.localizer != "scan" or not grid.occupied.any():

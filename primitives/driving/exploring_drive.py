@@ -22,7 +22,10 @@ START_NAME = "the start"
 
 
 class ExploringDrive:
-    """One drive of EXPLORE to a pose on the map drawn so far, which the world model does not have."""
+    """One drive of EXPLORE to a pose on the map drawn so far.
+
+    That map is not yet in the world model.
+    """
 
     def __init__(self, model: ModelView, grid: GridMap, goal: Pose2, wait_s: float, name: str) -> None:
         """Create a drive; nothing is planned yet.

@@ -74,7 +74,7 @@ class ExploringLook:
         self._postponed = list[tuple[float, float]]()
 
     def leave(self, point: tuple[float, float], reason: str) -> None:
-        """Give up exploring the border around a point.
+        """Give up exploring the border of the known ground around a point.
 
         Args:
             point: x and y on the map, in [m].

@@ -37,7 +37,7 @@ MAX_LOOKS = 3  # scans at rest, each followed by a correction
 def drive_to_start(
     robot: Robot, model: ModelView, start: Snapshot, scans: ScanCollector, look: ExploringLook
 ) -> Periods:
-    """Bring the base back to the pose of the first keyframe, and measure that it is there.
+    """Bring the base back to the pose of the first keyframe, and check its pose by a scan at rest.
 
     Args:
         robot: the robot.

@@ -92,7 +92,7 @@ class LocalReplanning:
 
     @property
     def points(self) -> FloatArray:
-        """Sensed points (n, 2) on the map that it does not show, in [m]."""
+        """Points (n, 2) of sensed obstacles that the map does not show, in map coordinates, in [m]."""
         return self._layer.points
 
     @property
@@ -100,7 +100,7 @@ class LocalReplanning:
         return self._near.layer
 
     def sense(self, robot: Robot) -> None:
-        """Add this period's scan to the sensed obstacles; only look for people while the pose is in doubt."""
+        """Record people and obstacles in this period's scan; only people while the base's pose is unsure."""
         self._near.follow(robot.pose)
         scan = robot.range_sensor.scan()
         map_T_sensor = robot.pose.compose(scan.base_T_sensor)
@@ -119,7 +119,7 @@ class LocalReplanning:
         self._layer.take(map_T_sensor, scan.angles, ranges, explained | moving, robot.time)
 
     def keep(self) -> None:
-        """Set the world model's sensed cells to those of this drive, without people."""
+        """Store the obstacle cells sensed on this drive in the world model, without those of people."""
         self._model.sensed_cells = self.people.without_people(self._near.cells())
 
     def plan(self, robot: Robot) -> Generator[None, None, RouteLook]:
@@ -278,10 +278,10 @@ class LocalReplanning:
         return pinned and self._backed_off < BACK_OFF_MAX_TRIES
 
     def back_off(self, robot: Robot, tracker: PathTracker) -> Generator[None, None, None]:
-        """Drive straight away from the obstacle before which the base was stopped, and plan again.
+        """Drive straight away from the obstacle before which the base was stopped, and plan a new route.
 
-        A base with a circular footprint drives against its last direction. One with a polygon drives away
-        from the end at which the obstacle is, or the other way if that failed the last time.
+        A base with a circular footprint reverses its last direction. A base with a polygonal footprint drives
+        away from its end (front or rear) near the obstacle, or towards it if the former failed the last time.
         """
         self._backed_off += 1
         held = robot.held
@@ -315,7 +315,7 @@ class LocalReplanning:
         return sign
 
     def command(self, robot: Robot, tracker: PathTracker) -> tuple[float, ...]:
-        """Return the base's speed command along the route, or the one with which it holds."""
+        """Return the base's speed command along the route, or the command that stops it while it holds."""
         if self.holds:
             return tracker.hold(robot.pose, robot.period)
         return tracker.command(robot.pose, robot.period, self.speed_limit)

@@ -18,7 +18,7 @@ BEYOND_REACH_M = 1.0  # of the lidar, that the window reaches
 
 
 class NearMap:
-    """Map around the base, with distances to its obstacles and with the sensed cells that it does not show.
+    """Map around the base, with distances to obstacles, and sensed obstacles that the map does not show.
 
     Of a large map, only a window that moves with the base is used. Sensed cells outside the window are
     stored, and used again when the window comes back.

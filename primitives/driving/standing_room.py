@@ -57,7 +57,7 @@ class StandingRoom:
 
     @property
     def key(self) -> tuple[bytes, ...]:
-        """Digests of all data that the checks of one robot depend on; with equal keys, answers are equal."""
+        """Bytes of all data that `blocked` and `free` depend on for one robot, as key of a cache."""
         posed = [(np.array(item.size), item.pose) for item in self._boxes]
         grid = self._grid
         frame = np.array([grid.resolution, grid.origin_x, grid.origin_y, self._radius])
@@ -85,12 +85,12 @@ class StandingRoom:
     def free(self, base: FloatArray, angles: FloatArray) -> bool:
         """Return whether robot and arm touch nothing at a base pose.
 
-        This is checked with the arm in its posture `home`, and along a path of the arm.
+        This is checked with the arm in its posture `home`, and while the arm moves along a path.
 
         Args:
             base: (3,) map_T_base: x, y in [m], heading in [rad].
-            angles: (p, n) postures along the path, in [rad] or [m]; one in `COLLISION_CHECK_STRIDE` is tried,
-                and the last one.
+            angles: (p, n) postures along the arm's path, joint angles in [rad] or positions in [m]; the first
+                of every `COLLISION_CHECK_STRIDE` postures is checked, and the last one.
         """
         bodies = self._arm.link_shapes(self._home)
         if not stands_clear(base[None], bodies, self._boxes)[0]:

@@ -20,7 +20,8 @@ from .place import Places
 class SpeedMask(FileModel):
     """Mask over the map that limits the speed of the robot's base by its cells, with values from 0 to 100.
 
-    The limit in a cell is `base + multiplier * value`; a value of 0 means no limit.
+    The limit in a cell is `base + multiplier * value`, in percent of the top speed or in [m/s] (`type`). A
+    value of 0 means no limit.
     """
 
     mask: str
@@ -32,7 +33,15 @@ class SpeedMask(FileModel):
 
 
 def load_speed_limits(path: Path, spec: SpeedMask) -> SpeedLimits:
-    """Return the limits in a mask's file; raises `FileError` if the file is missing or wrong."""
+    """Return the base's speed limits in a mask's file.
+
+    Args:
+        path: the mask's file, in ROS's format of maps.
+        spec: scale and unit of the mask's values.
+
+    Raises:
+        FileError: the file is missing or wrong.
+    """
     read = read_occupancy(path)
     percent = spec.type == "percent"
     return SpeedLimits(read.values, read.resolution, read.origin, percent, spec.base, spec.multiplier)

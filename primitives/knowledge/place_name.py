@@ -10,7 +10,8 @@ from pydantic import Field
 class Names(NamedTuple):
     """Annotation of a primitive's parameter whose value is a name in an entry of the world model.
 
-    Names in task files are checked by it; with `entry` "places", for example, the value is a place's name.
+    `entry` is that entry; with "places", for example, the value must be a place's name. The reader of task
+    files uses this annotation to check the names in them.
     """
 
     entry: str

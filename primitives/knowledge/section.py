@@ -144,7 +144,8 @@ class Section:
     def places(self) -> Mapping[str, Place]:
         """Return the places that the domain's files add to those of the map, by name.
 
-        Places that `fit` computes are missing before it; `names` returns their names, too, as "places".
+        Places that depend on the robot are contained once `fit` has computed them. The names of all these
+        places are returned by `names` as well, as those of the kind "places".
         """
         return {}
 
@@ -184,7 +185,10 @@ class Section:
         return np.empty((0, 3))
 
     def faults(self, robot: RobotFile) -> Iterator[Finding]:
-        """Yield the domain's requirements that a robot does not meet, known before anything moves."""
+        """Yield a finding for each requirement of the domain that a robot's file does not meet.
+
+        The requirements are checked before anything moves.
+        """
         return iter(())
 
     def companion(self, robot: Robot, place: str) -> Companion | None:

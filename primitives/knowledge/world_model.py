@@ -72,7 +72,7 @@ class WorldModel:
     """Knowledge of the robot: map, places, obstacles, and a section for each domain.
 
     A task may repeat its actions for each element of a list, such as each object to fetch; `clear_element`
-    clears the knowledge about the present one.
+    clears the knowledge about the present element.
     """
 
     map: GridMap
@@ -128,10 +128,9 @@ class WorldModel:
 
     @property
     def discs(self) -> FloatArray:
-        """Return known obstacles for a base that plans without a map, as discs (n, 3): x, y and radius, in
-        [m].
+        """Known obstacles for a base that plans without a map, as discs (n, 3): x, y and radius, in [m].
 
-        They are in the parent frame of the robot's pose, such as the map.
+        They are in the frame in which the robot's pose is given.
         """
         return np.vstack([np.empty((0, 3)), *(section.discs() for section in self.sections.values())])
 
@@ -173,10 +172,11 @@ class WorldModel:
     def redraw_moved(self) -> GridMap:
         """Redraw the map, with things that have moved at their measured poses.
 
-        Sensed cells near a moved thing are dropped, because they showed this thing.
+        Sensed cells (obstacles in lidar scans that the map lacked) near a moved thing are dropped, because
+        they showed this thing.
 
         Returns:
-            The new map with the sensed cells that are left.
+            The new map, with the remaining sensed cells drawn in.
         """
         things = [thing for section in self.sections.values() for thing in section.moved_things()]
         self.map = with_moved(self._given_map, things)
@@ -194,7 +194,7 @@ class WorldModel:
     def measuring(
         self, robot: Robot, place: str, report: Callable[..., None]
     ) -> Generator[None, None, bool] | None:
-        """Return a generator that measures the thing to which a place belongs; None if no domain has one.
+        """Return a generator that measures the thing to which a place belongs; None if that is impossible.
 
         Args:
             robot: the robot.
@@ -211,11 +211,11 @@ class WorldModel:
             section.forget_element()
 
     def view(self, primitive: Declares) -> ModelView:
-        """Return the model restricted to what a primitive declares."""
+        """Return the model restricted to the entries that a primitive declares to read or write."""
         return ModelView(self, primitive)
 
     def companion(self, robot: Robot, place: str) -> Companion | None:
-        """Return the arm's motion while the base drives to a place; None if no domain has one."""
+        """Return the motion that the arm makes while the base drives to a place; None for no motion."""
         found = (section.companion(robot, place) for section in self.sections.values())
         return next((companion_ for companion_ in found if companion_ is not None), None)
 
@@ -354,7 +354,7 @@ class ModelView:
         return cast(SectionT, ModelView(model, self.__dict__["_primitive"], model.of(kind)))
 
     def companion(self, robot: Robot, place: str) -> Companion | None:
-        """Return the arm's motion while the base drives to a place; None if no domain has one."""
+        """Return the motion that the arm makes while the base drives to a place; None for no motion."""
         found: Companion | None = self.__dict__["_model"].companion(robot, place)
         return found
 
@@ -370,7 +370,13 @@ class ModelView:
     def measuring(
         self, robot: Robot, place: str, report: Callable[..., None]
     ) -> Generator[None, None, bool] | None:
-        """Return a generator that measures the thing to which a place belongs; None if no domain has one."""
+        """Return a generator that measures the thing to which a place belongs; None if it can't be measured.
+
+        Args:
+            robot: the robot.
+            place: name of the place to which the base is about to drive.
+            report: function that receives metrics of the measurement.
+        """
         found: Generator[None, None, bool] | None
         found = self.__dict__["_model"].measuring(robot, place, report)
         return found

@@ -36,7 +36,7 @@ class ObjectsFile(FileModel):
         yield from object_findings(document, self.kinds, self.surfaces, self.objects)
 
     def solids(self) -> dict[str, KnownSolid]:
-        """Return the shapes of all kinds."""
+        """Return the shapes of all kinds of objects in the file, by name."""
         return {name: KnownSolid(name, kind.size, kind.is_round) for name, kind in self.kinds.items()}
 
     def kind_of(self, name: str) -> ObjectKind:

@@ -27,9 +27,9 @@ PUSHING_COSINE = -math.cos(math.radians(45.0))  # between a force and the way ou
 class PullWatch:
     """Detector of a person's pull, which it distinguishes from bumps, tremor, pushes and weight.
 
-    A pull is a lasting force, in addition to the force at rest. Its mean over `PULL_TIME_S` must be at least
-    the least pull, and every reading must be in the direction of the mean. A force towards the robot is a
-    push, not a pull.
+    A pull is a lasting force, in addition to the force at rest. Its mean over `PULL_TIME_S` must reach the
+    threshold `least_n`, and every reading must be in the direction of the mean. A force towards the robot is
+    a push, not a pull.
     """
 
     def __init__(self, robot: Robot, least_n: float) -> None:
