@@ -50,7 +50,7 @@ class Effort:
 
     @property
     def left(self) -> float:
-        """Steps that are not spent."""
+        """Number of steps of search that are not spent yet."""
         return self._most - self._spent
 
     def half(self) -> Effort:

@@ -93,11 +93,14 @@ class StateCodes:
         return State(self._names[place], tuple(fails))
 
     def forgotten(self, states: FlowStates) -> FlowStates:
-        """Return the states with 0 for the Fails of actions that no run can start from there any more."""
+        """Return the states with counts of Fails set to 0 if no run can start their actions any more."""
         return states._replace(counts=states.counts * self._keeps[states.place])
 
     def merged(self, every: Sequence[FlowStates]) -> FlowStates:
-        """Return all states sorted by their counts of Fails; equal ones become one, with the summed mass."""
+        """Return the states of several `FlowStates` together, sorted by their counts of Fails.
+
+        Equal states become one, with the sum of their probabilities and of their costs (`mass`).
+        """
         counts, place, mass = (np.concatenate(item) for item in zip(*every, strict=True))
         if not len(place):
             return FlowStates(counts, place, mass)

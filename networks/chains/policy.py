@@ -24,7 +24,7 @@ Chances = Sequence[Chance | None]
 
 
 def budget_of(network: ActionNetwork) -> int:
-    """Return the default budget of a network's analysis, in steps."""
+    """Return the default budget of a network's analysis, in steps of search."""
     return DEFAULT_MAX_STEPS + STEPS_PER_ACTION * len(network.actions)
 
 
@@ -96,8 +96,14 @@ def explored(
 ) -> Policy:
     """Return the decisions of the rule in the states that runs can reach, as far as the budget suffices.
 
-    It has the same arguments as `policy`, but raises no error: if the budget is spent, the states found so
-    far are returned with `is_complete` False.
+    If the budget is spent, the states found so far are returned with `is_complete` False.
+
+    Args:
+        network: the network.
+        for_good: whether to include Fails that use up all attempts at once.
+        effort: budget in steps of search; None: the network's default (`budget_of`).
+        start: state in which the runs begin; None: the network's start without a Fail.
+        chances: outcome probabilities, to leave out Fails of probability 0; None: all Fails may happen.
     """
     begin = start or State(network.start, ())
     try:

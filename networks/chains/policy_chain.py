@@ -35,18 +35,22 @@ class Chain:
     """Average number of skips."""
 
     def with_flow(self, flow: FlowResult) -> Chain:
-        """Return the chain with the ends and starts of a `RuleFlow`, which knows more of the states."""
+        """Return the chain with ends and starts replaced by those of a `RuleFlow`.
+
+        `RuleFlow` follows runs through more states than the chain has, so that its figures are better.
+        """
         starts = tuple(map(float, flow.starts))
         return replace(self, ends=flow.ends, starts=starts, ended=flow.ended, skips=flow.skips)
 
 
 def policy_chain(policy: Policy, chances: Chances) -> Chain:
-    """Return the exact ends, starts and slopes of runs that follow a policy, as an absorbing Markov chain.
+    """Return how runs that follow a policy end, from the exact solution of an absorbing Markov chain.
 
-    The method is that of Kemeny and Snell, Finite Markov Chains (1960), chapter 3. A transient state is an
-    action that is about to start, and Q holds the transitions among these states. If chance leads no run in
-    circles, a state's successors have smaller numbers. I - Q is then triangular, and the needed parts of its
-    inverse follow from a few sparse solutions.
+    The result also has the average number of starts of each action, and the derivatives of P(goal). The
+    method is that of Kemeny and Snell, Finite Markov Chains (1960), chapter 3. A transient state is an action
+    that is about to start, and Q holds the transitions among these states. If chance leads no run in circles,
+    a state's successors have smaller numbers. I - Q is then triangular, and the needed parts of its inverse
+    follow from a few sparse solutions.
     """
     count = len(policy.network.actions)
     rows = ChainRows(policy, chances)

@@ -19,7 +19,10 @@ from .step_maker import StepMaker
 
 
 class RouteWalk:
-    """Simulation of all runs at once along their cheapest routes, which adds up the ends of the runs."""
+    """Simulation of all runs at once along their cheapest routes.
+
+    It adds up the probabilities and costs of the ends of these runs.
+    """
 
     def __init__(self, network: ActionNetwork, chances: Chances, maker: StepMaker, codes: StateCodes) -> None:
         """Prepare the arrays of a network for which `can_flow` holds.

@@ -54,10 +54,10 @@ class FlowResult(NamedTuple):
 
 
 def can_flow(network: ActionNetwork) -> bool:
-    """Return whether a network suits `RuleFlow`, in which each Fail leads to a state with more Fails.
+    """Return whether the ends of a network's runs can be computed by `RuleFlow`.
 
-    Its actions must have one result each, and limited attempts that are never renewed; their number is at
-    most `MAX_WAYS`.
+    Each Fail must lead to a state with more Fails. Therefore each action must have only one result, and
+    limited attempts that are never renewed. The network may have at most `MAX_WAYS` actions.
     """
     plain = not any(a.others or a.unlimited or a.renewals for a in network.actions)
     return plain and 0 < len(network.actions) <= MAX_WAYS
@@ -114,11 +114,11 @@ class RuleFlow:
         return float(sum(states.p.sum() for states in self._waiting.values()))
 
     def least_steps(self, start: State, most: float) -> float:
-        """Return a lower bound of the steps in which a `StepMaker` decides in all states that runs reach.
+        """Return a lower bound of the steps of search for the rule's decisions in all states of the runs.
 
         Args:
             start: state in which the runs begin.
-            most: bound above which no more states are counted.
+            most: number of steps above which the count is ended, so that the returned bound is too low.
         """
         self._begin(start)
         walk, seen, steps = self._walk, set[bytes](), 0.0

@@ -64,10 +64,10 @@ class Stage:
         return self._with(actions, self.numbers)
 
     def with_alternatives(self, numbers: Collection[int]) -> Stage:
-        """Return the stage with a second, equal action next to each of some actions.
+        """Return the stage with some actions doubled: a second, equal action leads between their situations.
 
         Args:
-            numbers: numbers of these actions in the complete network.
+            numbers: numbers of the actions to be doubled, in the complete network.
         """
         pairs = list(zip(self.network.actions, self.numbers, strict=True))
         pairs += [pair for pair in pairs if pair[1] in numbers]

@@ -71,7 +71,7 @@ class RunLife:
         self._go("_ask", RunState.WAITING_FOR_PERMISSION)
 
     def act(self) -> None:
-        """Enter acting: a primitive moves."""
+        """Enter the state of acting, in which a primitive moves the robot."""
         self._go("_act", RunState.ACTING)
 
     def restore(self) -> None:

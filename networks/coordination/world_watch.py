@@ -88,7 +88,8 @@ class WorldWatch:
     def unlocated_situation(self, here: str) -> str | None:
         """Return a situation in which LOCATE can find the robot's pose, after the base was moved.
 
-        Except for the fact `base`, its facts are those of `here`. None if the network has no such situation.
+        Except for the fact `base`, its facts are those of the situation `here`. The result is None if the
+        network has no such situation.
         """
         facts = self._facts(here)
         for action in self._network.actions:

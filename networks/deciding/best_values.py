@@ -38,7 +38,9 @@ class Decision(NamedTuple):
 
 
 class BestValues:
-    """Search for the best decision in a state and in all that may follow it, made when it is first needed.
+    """Search for the best decisions in a state and in all states that may follow it.
+
+    A decision is searched for when it is first needed.
 
     The states form a graph, which is solved by its strongly connected components, the last ones first. A
     component in which a run may come back to a state is solved by `ComponentSearch`. In the others, each

@@ -114,7 +114,7 @@ class RunOptionValues:
         self._values: OptionValues | None = None
 
     def by(self, chances: Chances | None, policy: str | None) -> OptionValues:
-        """Return the `OptionValues` for given outcome probabilities and a policy.
+        """Return the calculator of a run's expected results by next action, for probabilities and a policy.
 
         Args:
             chances: outcome probabilities of each action; None: those of the file.

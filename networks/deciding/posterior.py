@@ -64,8 +64,8 @@ class OutcomeCounts(NamedTuple):
     def fail_weights(self) -> tuple[float, ...]:
         """Parameters of the Dirichlet distribution of a Fail's causes; all unnamed causes come first.
 
-        Each is the count of the cause plus an equal part of Fail's prior, so that their sum is the weight of
-        Fail in `weights`. Empty if no causes are counted.
+        Each is the count of the cause plus an equal part of Fail's prior. The sum of all is the weight of
+        Fail in `weights`. The tuple is empty if no causes are counted.
         """
         if not self.by_cause:
             return ()

@@ -68,10 +68,10 @@ class SituationValues:
         return known[situation]
 
     def without_each(self, number: int, out: BoolArray, places: IntArray) -> FloatArray:
-        """Return lower bounds of the expected cost for n states of a component with excluded actions.
+        """Return lower bounds of the expected cost for n states of one component, with excluded actions.
 
         Args:
-            number: number of the component.
+            number: number of the component, which is a strongly connected component of the network.
             out: (n, actions) mask of the actions excluded in each state. The actions are those that start in
                 the component, in the order of its situations.
             places: (n,) index of each state's situation within the component.

@@ -108,7 +108,7 @@ class StateRows:
                 self._fails[place, number] = fails
 
     def key(self, state: State) -> bytes:
-        """Return the row of a state as bytes."""
+        """Return the row of a state (situation and counts of Fails) as bytes, for use as a key."""
         row = [0] * (1 + len(self.counters))
         row[0] = self._place[state.situation]
         for counter, count in state.fails:
@@ -130,7 +130,7 @@ class StateRows:
         """Return a mask (n, actions) of the actions whose attempts are used up and cannot be given back.
 
         Args:
-            rows: (n, 1 + counters) a row for each state, as the class describes them.
+            rows: (n, 1 + counters) situation and counts of Fails of each state, as in the class.
         """
         return np.asarray(self._out(rows, np.arange(len(self.actions))) & ~self._returns)
 
@@ -139,12 +139,12 @@ class StateRows:
         return np.asarray(counts % self._width[actions] >= self._most[actions])
 
     def following(self, rows: Uint16Array) -> Following:
-        """Return the actions that can be started in some states, and the states that follow each of them.
+        """Return the actions that can be started in n given states, and the states that follow each action.
 
         Transitions to the goal are omitted.
 
         Args:
-            rows: (n, 1 + counters) a row for each state of the component, as the class describes them.
+            rows: (n, 1 + counters) situation and counts of Fails of each state, as in the class.
         """
         places = rows[:, 0].astype(np.int64)
         count = self._first[places + 1] - self._first[places]

@@ -91,7 +91,7 @@ class StateTable:
         return len(self._p.all)
 
     def number(self, key: bytes) -> int | None:
-        """Return the number of the state with a key, as in `StateRows`; None if it was never met."""
+        """Return the number of a state, given its row as bytes (`StateRows.key`); None if it is new."""
         return self._numbers.get(key)
 
     def add(self, rows: Uint16Array) -> IntArray:
@@ -100,7 +100,7 @@ class StateTable:
         The cost bounds of new states are those of their situations.
 
         Args:
-            rows: (n, 1 + counters) a row for each state, as in `StateRows`.
+            rows: (n, 1 + counters) situation and counts of Fails of each state, as in `StateRows`.
         """
         numbers, new = self._numbers, list[int]()
         found = np.empty(len(rows), np.int64)
@@ -130,7 +130,7 @@ class StateTable:
         self._expanded.extend(np.zeros(len(rows), bool))
 
     def expand(self, numbers: IntArray) -> None:
-        """Compute the options of states in the component that are not expanded yet.
+        """Compute the options (actions that can be started) of states that have no options in the table yet.
 
         Args:
             numbers: (n,) numbers of these states in the table.

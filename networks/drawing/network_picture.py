@@ -70,7 +70,7 @@ class DrawnFrame(NamedTuple):
 
 
 class DrawnLink(NamedTuple):
-    """Line of an action's link through points; its segments are straight and curved by turns."""
+    """Line of an action's link through points, with alternately straight and curved segments."""
 
     points: tuple[Point, ...]
     travelled: bool

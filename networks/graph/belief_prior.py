@@ -65,6 +65,6 @@ class Judged(NamedTuple):
 
     @classmethod
     def read(cls, fields: Mapping[str, Any]) -> Judged:
-        """Return the choice from the fields of a journal's record, as written by `fields`."""
+        """Return the choice between the rule and the file's policy from fields that `fields` has returned."""
         beliefs = tuple((int(entry), float(a), float(b)) for entry, a, b in fields["beliefs"])
         return cls(str(fields["follows"]), float(fields["better"]), float(fields["saved_s"]), beliefs)

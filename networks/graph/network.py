@@ -73,7 +73,7 @@ class Binding:
         return self.kind.label()
 
     def make(self, model: WorldModel) -> ActionPrimitive:
-        """Return a new instance for one attempt, with all its parameters.
+        """Return a new instance of the primitive for one attempt, with the values of all its parameters.
 
         Raises:
             NotBound: the world model does not know a value yet, or the parameter does not accept it.
@@ -169,7 +169,7 @@ class Action:
 
     @property
     def fail_situations(self) -> tuple[str, ...]:
-        """Situations that Fails may lead to, each once; a Fail without its own situation leads to none."""
+        """Situations to which Fails may lead, each once; none for Fails that do not change the situation."""
         named = (*(ending.target for ending in self.fail_endings), self.on_fail)
         return tuple(dict.fromkeys(item for item in named if item is not None))
 

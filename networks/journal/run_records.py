@@ -183,7 +183,7 @@ class StopRecord(TypedDict):
 
 @with_config(_OPEN)
 class Restore(TypedDict):
-    """Record of the running action beginning to restore."""
+    """Record that the running action begins to restore the state at its start."""
 
     n: Number
     reason: str

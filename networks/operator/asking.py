@@ -26,7 +26,7 @@ _JOURNAL = "journal.jsonl"
 
 
 class NotAlive(InputError):
-    """Error, because no run is alive in the folder."""
+    """Error, because no program is running the run of a folder, so that nothing answers a command."""
 
 
 class ClosedToYou(InputError):

@@ -56,8 +56,8 @@ class Option:
     def threshold_s(self, chosen: OpenRoute) -> float | None:
         """Return the cost below which the rule would choose the action, in [s].
 
-        The rule takes the cheapest route. None if no route begins with the action, or if it would not be
-        chosen at any cost.
+        The rule takes the cheapest route. The result is None if no route begins with the action, or if the
+        rule would not choose the action at any cost.
         """
         if self.way is None:
             return None

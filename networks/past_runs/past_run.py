@@ -24,7 +24,7 @@ Record = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class PastAction:
-    """An action that was started."""
+    """Action that a past run has started, with its times, outcome and end as in the run's journal."""
 
     number: int
     """Number of the action in the run, from 1."""

@@ -38,7 +38,7 @@ class RecordingKeeper(RunObserver):
         self._recording.open(run_dir)
 
     def period(self, robot: Robot) -> None:
-        """Record the traffic of the control period that has just ended."""
+        """Record the backend's data, such as bus frames, of the control period that has just ended."""
         self._recording.look(robot.time)
 
     def event(self, event: Event) -> None:

@@ -74,7 +74,7 @@ class Past:
         return [*records, ("EPOCH", epoch, {})]
 
     def doubts(self) -> Iterator[str]:
-        """Yield descriptions of effects that an interrupted action may have had, but that are not known."""
+        """Yield descriptions of effects of an interrupted action of which it is unknown if they happened."""
         doubt = self.standing.in_doubt
         if doubt is None:
             return
@@ -87,7 +87,10 @@ class Past:
             yield f"what record {self.last + 1}, which is damaged, told of it"
 
     def words(self, now_s: float, boot: str | None) -> list[str]:
-        """Return lines of text on the run's last known state, a damaged journal and a recovered result.
+        """Return lines of text on the run's last known state, as information before it is resumed.
+
+        They also mention an incomplete end of the journal, the result of the last action if it was recovered
+        from the checkpoint, and a restart of the computer.
 
         Args:
             now_s: the wall clock, in [s] since 1970.

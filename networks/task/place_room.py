@@ -74,19 +74,19 @@ class PlaceRoom:
 
 
 class ComputedPlace(NamedTuple):
-    """A place that no file has, because a domain computes it for the robot."""
+    """A place that is in no file, but was computed for the robot, such as a place from which it can grip."""
 
     name: str
     pose: Pose2
     """map_T_base."""
 
     def words(self) -> str:
-        """Return a line for people."""
+        """Return a line of text with name, position in [m] and heading in [deg] of the place."""
         x, y, heading = self._rounded()
         return f"place {self.name}, computed: x {x:.2f} m, y {y:.2f} m, heading {heading:.0f} deg"
 
     def for_programs(self) -> dict[str, Any]:
-        """Return the same content for JSON."""
+        """Return name, position in [m] and heading in [deg] of the place as fields for JSON."""
         return dict(zip(("name", "x_m", "y_m", "heading_deg"), (self.name, *self._rounded()), strict=True))
 
     def _rounded(self) -> tuple[float, float, float]:

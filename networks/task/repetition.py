@@ -67,7 +67,7 @@ class Repetition:
     """The element of the surrounding part that contains this one; None for an outermost part."""
 
     def elements(self) -> tuple[Element, ...]:
-        """Return the elements in the order of the file.
+        """Return the elements for which the part is repeated, in the order of the file.
 
         Raises:
             NotRepeated: the part iterates over a list in the surrounding part's element, and that element has

@@ -86,7 +86,10 @@ class FixOnce:
 
 
 class ByModel(FixOnce):
-    """Correction by the turn and tilt that the suspension's model predicts (Hatano et al. 2000, eq. 12)."""
+    """Correction of the base's turn and tilt by a prediction of the suspension's model.
+
+    The model is that of Hatano et al. (2000), eq. 12.
+    """
 
     def __init__(self) -> None:
         self._leans: tuple[Transform, Transform] = (np.eye(4), np.eye(4))

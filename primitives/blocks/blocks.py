@@ -64,7 +64,7 @@ class Placed(NamedTuple):
 
 @dataclass
 class Blocks(Section):
-    """World model section with what a robot that stacks blocks knows of them and of its own pose."""
+    """World model section for stacking blocks, with the robot's knowledge of the blocks and of its pose."""
 
     FILES: ClassVar = {"building": Building}
     LEARNED: ClassVar = ("fixed", "placed", "taken")

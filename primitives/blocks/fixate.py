@@ -37,8 +37,8 @@ class Fixate(ActionPrimitive):
     The method is that of Hatano et al. (2000), section 2.2, with corrected equations. The middle of the
     picture has the least distortion of the lens, and a closed loop tolerates errors of the arm. A landmark
     out of view is searched for. All landmarks look alike; a visible one is identified by its neighbours, the
-    building plan and the estimated pose of the base. If it can be either of two landmarks, the camera views
-    their surroundings until only one is left.
+    building plan and the estimated pose of the base. If a visible landmark may be either of two, the camera
+    views the surroundings of both until only one is left.
     """
 
     landmark: LandmarkName

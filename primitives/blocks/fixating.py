@@ -128,13 +128,14 @@ def fixate(
     """Move the hand until the landmark is seen as planned, and return the base's pose that follows from it.
 
     The method is that of Hatano et al. (2000), eq. 1 to 11, corrected. All visible landmarks together
-    identify the wanted one. If it can be either of two landmarks, more views are taken.
+    identify the wanted one. If that is ambiguous, more views are taken.
 
     Args:
         robot: robot with its arm in any posture.
         view: planned view of the landmark.
         sought: the landmark, all landmarks of the plan, and the estimated pose of the base.
-        rule: stop rule; `paper` also ignores the remaining error of the hand.
+        rule: rule by which the hand stops as near enough to its planned pose; `paper` also ignores the
+            remaining error of the hand.
         evidence: evidence of the attempt, to which the last picture is added.
         held: object in the hand, posed in the hand frame.
         around: obstacles for the arm, in the base frame.

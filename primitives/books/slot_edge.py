@@ -86,9 +86,9 @@ def moved(strips: Strips, sides: Sequence[float], within: float) -> float | None
 
 
 def side_near(strips: Strips, expected: float) -> float:
-    """Return y of the edge near an expected side in the shelf frame, in [m]; `expected` if none is near.
+    """Return y of the visible edge nearest to an expected side of a book, in the shelf frame, in [m].
 
-    A dark spine before a dark slot has no edge.
+    Without an edge near it, for example with a dark spine before a dark slot, `expected` is returned.
     """
     near = [y for y in all_sides(strips) if abs(y - expected) < SIDE_SHIFT_TOLERANCE_M]
     return min(near, key=lambda y: abs(y - expected), default=expected)

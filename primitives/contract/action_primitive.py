@@ -152,7 +152,7 @@ class ActionPrimitive(FileModel, ABC):
     def observe(self, robot: Robot, model: ModelView) -> Generator[None, None, Seen]:
         """Return the positions of the objects that the motion will touch, measured now; by default none.
 
-        Called at rest before the motion and after restoring; the two results are compared.
+        The method is called at rest before the motion and after restoring; the two results are compared.
         """
         return {}
         yield
@@ -197,12 +197,12 @@ class ActionPrimitive(FileModel, ABC):
     def finish(self, robot: Robot, model: ModelView) -> Generator[None, None, bool | None]:
         """Bring the robot into a safe posture after an interruption that follows a point of no return.
 
-        It takes the place of restoring, which is impossible then. If a fault interrupts it, it is called
-        again, as often as the task allows restoring.
+        It takes the place of restoring, which is impossible after such a point. If a fault interrupts it, it
+        is called again, as often as the task allows restoring.
 
         Returns:
-            True if the motion was completed and its effect measured. If a fault of a machine or of code was
-                the interruption, the outcome is then Success. In all other cases it is GiveUp.
+            True if the motion was completed and its effect measured. With True, and after an interruption by
+                a fault of a machine or of code, the outcome is Success. In all other cases it is GiveUp.
         """
         return False
         yield

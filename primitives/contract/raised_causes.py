@@ -34,7 +34,7 @@ def causes_of(kind: type[ActionPrimitive]) -> tuple[CauseKind, ...]:
 
 @cache
 def framework_causes() -> tuple[CauseKind, ...]:
-    """Return the causes that an attempt of any primitive may have."""
+    """Return the causes with which an attempt of any primitive may fail or give up, such as a time-out."""
     return _sorted({*_Walk(set()).causes_from(attempt), *causes.OUTSIDE_CAUSES})
 
 

@@ -15,7 +15,7 @@ MIN_MOTION = (0.005, math.radians(0.3))  # [m], [rad]: less is not motion
 class StandstillMonitor:
     """Monitor that detects a base that does not move although it is commanded to drive.
 
-    A base that the guard holds back before an obstacle is not reported.
+    A base that is held back before an obstacle, to prevent a collision, is not reported.
     """
 
     def __init__(self, robot: Robot) -> None:

@@ -55,7 +55,7 @@ class DoorState(NamedTuple):
 
 @dataclass
 class Doors(Section):
-    """World model section with what a robot that opens and closes doors knows of them."""
+    """World model section for opening and closing doors, with the robot's knowledge of the doors."""
 
     FILES: ClassVar = {"doors": DoorsFile}
     LEARNED: ClassVar = ("door_states",)

@@ -25,11 +25,12 @@ from .pulling import MAX_PULL_N, Pull, PullEnding
 
 
 class OpenDoor(MoveDoor):
-    """Take the handle of a door or drawer and open it; the hand finds out on the way how it moves.
+    """Take the handle of a door or drawer, and open the door or drawer.
 
-    The handle is located by tags on the front. The hand moves along the arc or line that fits the path
-    measured so far, yields to forces across it, and stops at a resistance. The door must then be open as far
-    as demanded, and a picture in the end must show that it stays where the hand let it go.
+    The handle is located by tags on the front. The handle's path is measured during the motion. The hand
+    moves along the arc or line that fits the path measured so far, yields to forces across it, and stops at a
+    resistance. The door must then be open as far as demanded, and a picture in the end must show that it
+    stays where the hand let it go.
     """
 
     angle_deg: Annotated[float, Field(gt=0.0, le=120.0)] = 25.0

@@ -55,7 +55,7 @@ def plan_drive(robot: Robot, model: ModelView, goal: Place, cells: bool = True) 
 
 
 def map_with_cells(model: ModelView) -> GridMap:
-    """Return the map, with cells occupied in which the lidar has recently seen something unmapped."""
+    """Return the map, where cells with unmapped obstacles that the lidar has recently sensed are occupied."""
     if not len(model.sensed_cells):
         return model.map
     layer = ScanLayer(model.map)
@@ -154,7 +154,7 @@ def goal_pose(model: ModelView, place: str) -> Pose2:
 
 
 def make_monitor(robot: Robot, model: ModelView) -> ObstacleMonitor | FieldObstacleMonitor:
-    """Return the monitor of the route for obstacles, which depends on the robot's kind of base."""
+    """Return a monitor that detects obstacles on the route, suited to the robot's kind of base."""
     if robot.spec.drive.kind == "ackermann":
         return FieldObstacleMonitor(robot.spec.footprint_radius_m)
     return ObstacleMonitor(model.map, robot.spec.footprint_shape.inscribed)
@@ -233,9 +233,10 @@ class ObstacleMonitor:
         return sensed
 
     def around(self, robot: Robot, blocking: FloatArray) -> FloatArray:
-        """Return (n, 2) points of this period's scan around a point (2,) that the base would touch, in [m].
+        """Return an obstacle's points (n, 2) near the point (2,) of it that the base would touch.
 
-        All are on the map. Points within a cell of a mapped wall are taken for the wall, and left out.
+        These are that point and the points near it in this period's scan, all on the map, in [m]. Points
+        within a cell of a mapped wall are taken for the wall, and left out.
         """
         points = robot.pose.apply(robot.surroundings())
         near = points[np.hypot(*(points - blocking).T) < BESIDE_IT]

@@ -273,7 +273,7 @@ class LocalReplanning:
                 self._layer.add(np.array([[robot.held.x, robot.held.y]]), robot.time)
 
     def pinned(self, robot: Robot) -> bool:
-        """Return whether the base should back off, because the guard has stopped it here for too long."""
+        """Return whether the base should back off, because a near obstacle has stopped it for too long."""
         pinned = self._held_for > PINNED_S and self.waits_since is None
         return pinned and self._backed_off < BACK_OFF_MAX_TRIES
 

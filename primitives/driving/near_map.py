@@ -55,7 +55,11 @@ class NearMap:
         """Distances to what the map shows in the window."""
 
     def follow(self, pose: Pose2) -> None:
-        """Move the window with the base; `pose` is map_T_base."""
+        """Centre the map's window on the base again if the base has moved too far from its middle.
+
+        Args:
+            pose: map_T_base.
+        """
         if self.is_whole or np.hypot(*(self._centre - pose[:2])) <= MAX_OFF_M:
             return
         sensed = self.cells()
@@ -63,11 +67,18 @@ class NearMap:
         self._set_window(sensed)
 
     def cells(self) -> FloatArray:
-        """Return all sensed cells (n, 4): x, y on the map in [m], score, and time of the last hit in [s]."""
+        """Return all cells (n, 4) that the lidar sensed as occupied and the map shows as free.
+
+        A row is x, y on the map in [m], score, and time of the last hit in [s].
+        """
         return np.vstack([self.layer.cells(), self._rows_beyond])
 
     def forget(self, before: float) -> bool:
-        """Drop the cells that were last hit before a time in [s]; return whether any was dropped."""
+        """Drop sensed cells whose last hit by a lidar beam is older than a time, and return whether any was.
+
+        Args:
+            before: the time, in [s] of the robot's time.
+        """
         kept = self._rows_beyond[self._rows_beyond[:, 3] >= before]
         dropped = len(kept) < len(self._rows_beyond)
         self._rows_beyond = kept

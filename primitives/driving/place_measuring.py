@@ -22,11 +22,11 @@ def measure_place(
     drive: Callable[[Place], Periods],
     report: Callable[..., None],
 ) -> Periods:
-    """Measure the object to which a place belongs, from a stop before the place, and correct the place by it.
+    """Measure the object to which a place belongs, from a stop before the place, and move the place with it.
 
     Nothing happens if the object cannot have moved or was measured before, or if a detour was planned. If
-    there is no room for the stop, or the base is nearer to the place already, it measures from its present
-    pose.
+    there is no room for the stop, or the base is nearer to the place already, the robot measures from its
+    present pose.
 
     Args:
         robot: the robot.

@@ -14,7 +14,7 @@ from handcart.primitives.knowledge.world_model import ModelView
 
 
 class Stand(ActionPrimitive):
-    """Stay at rest: outdoors this measures the gyros' bias and improves the estimate of the pose."""
+    """Stay at rest for a time, which outdoors measures the gyros' bias and improves the pose estimate."""
 
     seconds: Annotated[float, Field(gt=0.0, le=3600.0)]
     """Time at rest."""

@@ -83,9 +83,9 @@ class FieldWork(Section):
                     yield Finding(str(self.listed_in), target.line, target.column, f"{wrong} {left}")
 
     def companion(self, robot: Robot, place: str) -> Companion | None:
-        """Return the arm's motion during a drive to a target: it takes a sensor and holds it over the target.
+        """Return the arm's motion during a drive to a target; None if the place is not that of a target.
 
-        None if the place is not that of a target.
+        The arm takes a sensor and holds it over the target.
         """
         from .on_the_way import SensorOnTheWay
 

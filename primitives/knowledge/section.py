@@ -92,7 +92,10 @@ class MovedKnowledge(Protocol):
     places: Mapping[str, Place]
 
     def redraw_moved(self) -> GridMap:
-        """Redraw the map with moved things at their measured poses; return it with the sensed cells added."""
+        """Redraw the map with moved things at their measured poses, and return it.
+
+        The returned map also has the unmapped obstacles that the lidar has sensed.
+        """
         ...
 
 
@@ -163,7 +166,7 @@ class Section:
     def measuring(
         self, robot: Robot, model: MovedKnowledge, place: str, report: Callable[..., None]
     ) -> Generator[None, None, bool] | None:
-        """Return a generator that measures the thing to which a place belongs; None if there is none.
+        """Return a generator that measures the thing to which a place belongs; None if that is impossible.
 
         The generator runs while the base is at rest near the place, and moves the place with the measured
         thing. It returns whether the thing was seen.
@@ -177,10 +180,9 @@ class Section:
         return None
 
     def discs(self) -> FloatArray:
-        """Return known obstacles for a base that plans without a map, as discs (n, 3): x, y and radius, in
-        [m].
+        """Return known obstacles for a base that plans without a map, as discs (n, 3), in [m].
 
-        They are in the parent frame of the robot's pose, such as the map.
+        A disc is x, y and radius, in the frame in which the robot's pose is given.
         """
         return np.empty((0, 3))
 

@@ -349,7 +349,7 @@ class ModelView:
         object.__setattr__(self, "_part", model if part is None else part)
 
     def of(self, kind: type[SectionT]) -> SectionT:
-        """Return a view of a domain's section, restricted to what the same primitive declares."""
+        """Return a view of a domain's section, restricted to entries that this view's primitive declares."""
         model = self.__dict__["_model"]
         return cast(SectionT, ModelView(model, self.__dict__["_primitive"], model.of(kind)))
 
@@ -359,7 +359,7 @@ class ModelView:
         return found
 
     def redraw_moved(self) -> GridMap:
-        """Redraw the map with moved things at their measured poses; return it with the sensed cells added."""
+        """Redraw the map with moved things at their measured poses; add the obstacles sensed by the lidar."""
         grid: GridMap = self.__dict__["_model"].redraw_moved()
         return grid
 

@@ -118,7 +118,7 @@ class ObjectSurface(LevelPose):
                 yield Box(self.pose @ transform((0.0, off, middle)), (self.size_m[0], thick, high), name)
 
     def contact_names(self, name: str) -> tuple[str, ...]:
-        """Return the names of all bodies that an object on the surface touches, as contacts report them.
+        """Return the names of all bodies in simulated worlds that an object on the surface may touch.
 
         Args:
             name: name of the surface.

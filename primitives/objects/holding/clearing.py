@@ -19,15 +19,15 @@ MAX_RISE_M = 0.36  # over the height of what stands beside an object
 
 
 def lift_clear(robot: Robot, model: ModelView, held: Solid) -> Periods:
-    """Lift the held object straight up until it is clear of where unseen objects are believed.
+    """Lift the held object straight up until it is clear of the assumed places of objects that were not seen.
 
-    Its neighbours were beside it before and are not above it. Nothing moves if it is clear already, or if
-    the arm can't lift it that far.
+    The neighbours of the object were next to it before and are not above it. Nothing moves if the object is
+    clear already, or if the arm can't lift it that far.
 
     Args:
-        robot: its hand holds an object that was lifted off its surface.
-        model: knows surfaces and objects.
-        held: the object, posed in the hand frame.
+        robot: robot whose hand holds an object that was lifted off its surface.
+        model: world model with surfaces and objects.
+        held: the held object, posed in the hand frame.
     """
     every = collision_model(robot, held, surroundings(robot, model))
     here = robot.arm.command()
@@ -40,12 +40,15 @@ def lift_clear(robot: Robot, model: ModelView, held: Solid) -> Periods:
 
 
 def path_up(every: CollisionModel, sure: CollisionModel, here: FloatArray) -> FloatArray | None:
-    """Return a straight path (m, n) up to where nothing is near, in [rad] or [m]; None if none is found.
+    """Return a path of the arm straight up, until it is clear of all bodies; None if no path is found.
 
     Args:
-        every: all bodies to keep clear of at the end.
-        sure: bodies to keep clear of on the path.
+        every: collision model with all bodies to keep clear of at the end.
+        sure: collision model with only the bodies to keep clear of on the path.
         here: (n,) joints at the start, in [rad] or [m].
+
+    Returns:
+        Joint positions (m, n), in [rad] or [m].
     """
     goal = sure.arm.forward(here)
     lines = [here[np.newaxis]]

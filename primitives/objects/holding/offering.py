@@ -34,12 +34,11 @@ def offering_joints(
     height_m: float,
     around: Sequence[Solid] = (),
 ) -> FloatArray | None:
-    """Return joints (n,), in [rad] or [m], that hold an object out ahead of the robot.
-
-    None if no posture without collision is found.
+    """Return joints (n,), in [rad] or [m], that hold an object out ahead of the robot without a collision.
 
     The object is upright, beyond the robot's outline, as near to the wanted height as the arm reaches. The
-    hand is preferred behind or above the object, so that a person can take hold of it.
+    hand is preferred behind or above the object, so that a person can take hold of it. The result is None if
+    no such posture is found.
 
     Args:
         robot: robot with its arm in any posture.

@@ -47,8 +47,8 @@ class PullWatch:
             weight_n: weight of the held object, in [N]; None if it is unknown.
 
         Raises:
-            Discrepancy: the force's noise would hide the least pull, or the force differs from the weight
-                because somebody pulls already.
+            Discrepancy: the force's noise would hide a pull of `least_n`, or the force differs from the
+                weight because somebody pulls already.
         """
         mean, self._sigma = yield from self._readings()
         beside = 0.0 if weight_n is None else float(np.linalg.norm(mean + np.array([0.0, 0.0, weight_n])))
