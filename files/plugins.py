@@ -107,8 +107,9 @@ def error_words(error: BaseException) -> str:
 def plugin_folders(group: str) -> dict[str, Path]:
     """Return the folders of the packages that an entry-point group names, by entry-point name.
 
-    The value of such an entry point is an importable package. A dotted name imports its parents, the package
-    itself is only located. A package that cannot be located is skipped: `broken_plugin_folders` names it.
+    The value of each entry point is the name of a package. The package is located without being imported;
+    its parent packages are imported. A package that cannot be located is skipped; `broken_plugin_folders`
+    reports it.
     """
     found = ((point.name, _package_folder(point)) for point in entry_points_of(group))
     return {name: folder for name, folder in found if folder is not None}

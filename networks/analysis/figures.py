@@ -93,7 +93,9 @@ def figures(
     more: Effort | None = None,
     forecaster: Forecaster | None = None,
 ) -> Figures:
-    """Return the figures of a task whose actions all have a probability `p`.
+    """Return how runs of a task end, and how much each action influences that (`Figures`).
+
+    All actions of the task must have a probability `p`.
 
     Args:
         task: the task.

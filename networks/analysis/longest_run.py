@@ -11,7 +11,8 @@ from handcart.networks.chains.policy import Policy, State
 class Longest(NamedTuple):
     """Largest numbers of actions that a run through a part of a network can start.
 
-    `through` or `ended` is -inf if there is no such run.
+    There is one number for runs that reach the part's goal, and one for runs that end before it. A number is
+    -inf if there is no such run.
     """
 
     through: float

@@ -34,7 +34,7 @@ class ChainLinks(NamedTuple):
     p: FloatArray
 
     def without(self, rows: IntArray) -> ChainLinks:
-        """Return the transitions from other rows than some, given by their numbers (k,)."""
+        """Return the transitions without those that begin in some rows, given by the rows' numbers (k,)."""
         keep = ~np.isin(self.row, rows)
         return ChainLinks(self.row[keep], self.to[keep], self.p[keep])
 

@@ -38,7 +38,7 @@ def time_quantile(
 ) -> Quantile:
     """Estimate the time in [s] within which a share of the runs ends, from seeded random walks.
 
-    With `WALKS` walks the share has a standard error of 0.002.
+    With `WALK_COUNT` walks, the share has a standard error of 0.002.
 
     Args:
         chains: rows of the consecutive parts of a run; each begins where the one before reaches its goal.

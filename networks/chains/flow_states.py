@@ -40,7 +40,10 @@ class FlowStates(NamedTuple):
 
 
 class StateCodes:
-    """Conversion between a network's states and rows of integers, which can be merged if they are equal."""
+    """Conversion between a network's states and rows of integers (situation, counts of Fails).
+
+    Equal rows can be merged into one.
+    """
 
     def __init__(self, network: ActionNetwork, after: Aftermath) -> None:
         """Prepare the conversion for a network."""

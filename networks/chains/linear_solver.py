@@ -38,11 +38,11 @@ class LinearSolver:
         self._factors = splu(whole, permc_spec=order, diag_pivot_thresh=threshold)
 
     def solve(self, right: FloatArray, transposed: bool = False) -> FloatArray:
-        """Return the solution of the equations, in the unit of `right`.
+        """Return the solution x of (I - Q) x = b, in the unit of the right-hand side b.
 
         Args:
-            right: (n,) or (n, k) right-hand sides.
-            transposed: True for the equations with the transposed matrix.
+            right: (n,) or (n, k) right-hand sides b.
+            transposed: True to solve (I - Q)ᵀ x = b instead.
 
         Returns:
             The solution, with the shape of `right`.

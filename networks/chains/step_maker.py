@@ -136,7 +136,12 @@ class Aftermath:
         """
 
     def matters(self, situation: str, counter: int) -> bool:
-        """Return whether an action whose Fails a counter counts can still follow in a situation."""
+        """Return whether runs from a situation can still start an action of a given counter of Fails.
+
+        Args:
+            situation: name of the situation.
+            counter: number of the counter (`Action.counter`).
+        """
         kept = self._kept[situation]
         found = kept.get(counter)
         if found is None:

@@ -136,7 +136,7 @@ class Coordinator:
         return self._log.started
 
     def run(self) -> Generator[None, None, RunEnd]:
-        """Run from the start to the goal, or to a situation from which nothing leads on."""
+        """Execute the run, from the start to the goal or to a situation in which no action is left to try."""
         try:
             end = yield from self._pursue()
         except Interrupted as interrupted:

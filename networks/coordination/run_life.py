@@ -63,7 +63,7 @@ class RunLife:
         return self._state in (RunState.PAUSED_WHILE_ACTING, RunState.PAUSED_WHILE_RESTORING)
 
     def plan(self) -> None:
-        """Enter planning: the next action is being decided."""
+        """Enter the state of planning, in which the next action is decided."""
         self._go("_plan", RunState.PLANNING)
 
     def ask(self) -> None:

@@ -60,7 +60,10 @@ class Beliefs:
         return True
 
     def weights(self, entry: int) -> tuple[float, float, float]:
-        """Return the present weights of Success, Fail and GiveUp of an action, by its number in the file."""
+        """Return the present weights of an action's Success, Fail and GiveUp, by its number in the file.
+
+        The weights are the parameters of the Dirichlet distribution of the outcome probabilities.
+        """
         (a, b, give_up), (successes, fails) = self._prior[entry], self._seen.get(entry, (0, 0))
         return a + successes, b + fails, give_up
 

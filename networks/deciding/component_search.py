@@ -99,10 +99,10 @@ class ComponentSearch:
             state: the state.
             gap: largest difference of the bounds, relative to the upper bound.
             effort: budget.
-            beyond: function that returns the bounds of a settled state beyond the component.
+            beyond: function that returns the bounds of a settled state outside this component of the network.
 
         Returns:
-            A state beyond the component that has to be settled first; None if the state is settled.
+            A state outside the component that has to be settled first; None if the state is settled.
 
         Raises:
             TooMuch: the budget is spent; the bounds are valid, but not close enough.
@@ -145,8 +145,9 @@ class ComponentSearch:
         return self._decision(number)
 
     def likely_decision(self, state: State) -> tuple[Action | None, float, float] | None:
-        """Return the best action in a state and its bounds in [s]; None if the state is not among the
-        likeliest that the best policy comes to.
+        """Return the best action in a state, and the lower and upper bound of its expected cost, in [s].
+
+        The result is None if the state is not among the likeliest to which the best policy leads.
         """
         number = self._table.number(self._rows.key(state))
         if number is None or not self._made().is_likely[number]:

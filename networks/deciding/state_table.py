@@ -62,7 +62,7 @@ class StateTable:
 
     @property
     def states(self) -> Uint16Array:
-        """(states, 1 + counters) rows of all states, as in `StateRows`."""
+        """(states, 1 + counters) situation and counts of Fails of all states, as rows of `StateRows`."""
         return self._states.all
 
     @property

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class RunObserver:
-    """Observer of a run that changes nothing; a subclass overrides the events that it needs."""
+    """Observer of a run, which does not influence the run; a subclass overrides the events that it needs."""
 
     def say(self, words: str) -> None:
         """Handle a message that a person should read before anything moves."""

@@ -58,7 +58,7 @@ class Telemetry:
         return RunTrack(table[:, 0], poses, table[:, 4].astype(np.int32), table[:, 5] > 0.5)
 
     def save(self, path: Path) -> None:
-        """Write the track into an .npz file."""
+        """Write the recorded poses and actions (`track`) into an .npz file."""
         packed = BytesIO()
         np.savez_compressed(packed, **self.track()._asdict())
         write_whole(path, packed.getvalue())

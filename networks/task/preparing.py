@@ -195,7 +195,7 @@ class Checked(NamedTuple):
     """Places that no file has, because domains compute them for the robot."""
 
     def place_lines(self) -> Iterator[str]:
-        """Yield a line for people for each place."""
+        """Yield a line of text for each place, with its clearance and route, or its pose if computed."""
         yield from (place.words() for place in self.places)
         yield from (place.words() for place in self.computed)
 

@@ -56,7 +56,7 @@ class DrawnBlock(NamedTuple):
 
     @property
     def words(self) -> str:
-        """Name of the block for people."""
+        """Name of the block in messages, as text."""
         return f"block {self.column + 1} of row {self.row + 1}"
 
 

@@ -40,7 +40,7 @@ class Slot(NamedTuple):
 
 @dataclass
 class Books(Section):
-    """World model section with what a robot that returns books knows of them and of their slots."""
+    """World model section for returning books, with the robot's knowledge of the books and their slots."""
 
     FILES: ClassVar = {"catalogue": Catalogue}
     LEARNED: ClassVar = ("book", "book_pose", "slot")

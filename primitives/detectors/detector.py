@@ -56,7 +56,7 @@ class Detector(ABC):
 
     @abstractmethod
     def detect(self, image: DepthImage, camera: CameraModel) -> Sequence[Detection]:
-        """Return what is found in a picture; empty if nothing is.
+        """Return the objects that the detector finds in a picture; empty if it finds none.
 
         Args:
             image: colour and depth picture.

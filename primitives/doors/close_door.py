@@ -26,10 +26,10 @@ MIN_TRAVEL_M = 0.02
 
 
 class CloseDoor(MoveDoor):
-    """Take the handle of an open door or drawer and close it until the stop is felt.
+    """Take the handle of an open door or drawer, and close the door or drawer until it resists.
 
     The opening is known if the robot has moved this door before; otherwise it is measured by the tags. The
-    stop must be felt where the door is closed. A picture in the end must show that the door stays closed.
+    resistance must begin where the door is closed. A picture in the end must show that the door stays closed.
     """
 
     @override

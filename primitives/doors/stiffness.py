@@ -11,7 +11,7 @@ MARGIN_N = 13.0  # below the largest force: a door in motion resists, and then j
 
 
 class Stiffness:
-    """Estimator of the stiffness of an arm that pulls a handle, which limits the steps of the arm's command.
+    """Estimator of the stiffness of an arm that pulls a handle, used to limit the steps of its command.
 
     The stiffness is the increase of the force per length of a step.
     """

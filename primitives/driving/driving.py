@@ -170,8 +170,8 @@ class FieldObstacleMonitor:
     def unexpected(self, robot: Robot) -> FloatArray:
         """Return the points (n, 2) of this period's scan that may be obstacles, in the field's frame, in [m].
 
-        Excluded are points of the robot's own lowered hand, and points that may be the ground. If the latter
-        are obstacles, the guard of the base stops it once they are near.
+        Points of the robot's own lowered hand, and points that may be the ground, are left out. If the latter
+        are obstacles, the base's collision guard stops the base once they are near.
         """
         points = robot.without_hand(robot.range_sensor.scan().points())
         if robot.spec.localizer in OUTDOOR_LOCALIZERS:

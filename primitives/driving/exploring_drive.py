@@ -60,7 +60,7 @@ class ExploringDrive:
         """Drive to the goal, one period at a time.
 
         Raises:
-            Discrepancy: no route leads to the goal, or the base does not get on.
+            Discrepancy: no route leads to the goal, or the base makes no progress.
         """
         periods = self._move.motion(robot, self._view)
         is_first = True

@@ -24,7 +24,8 @@ from .driving import goal_pose, no_way, plan_drive
 class Modify(ActionPrimitive):
     """Plan another path to a place, clear of all unmapped obstacles that were sensed or run into.
 
-    Only knowledge changes. Without another path, it Fails and is not tried again.
+    Nothing moves; only the robot's knowledge changes. Without another path, the action Fails and is not tried
+    again.
     """
 
     place: PlaceName

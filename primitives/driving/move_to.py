@@ -152,10 +152,10 @@ class MoveTo(ActionPrimitive):
             model.detour = None
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Check that the base is at the place within its tolerance, given the uncertainty of its pose.
+        """Return True if the base is at the place within its tolerance, given the uncertainty of its pose.
 
         Raises:
-            Discrepancy: the sensors do not determine the pose well enough.
+            Discrepancy: the base may be outside the tolerance, because its pose is too uncertain.
         """
         check_determined(robot, self.place, *self._place_and_need(robot, model))
         return True

@@ -24,7 +24,7 @@ MAX_START_INTRUSION_M = 0.3  # by which the base may be too near to something wh
 
 
 class StandingRoom:
-    """Check of whether base and arm of a robot have room at poses of the base around a work place."""
+    """Test whether a robot's base and arm have room at poses of the base around a place of work."""
 
     def __init__(
         self,

@@ -70,9 +70,9 @@ def _arm_outlines(robot: Robot) -> list[FloatArray]:
 
 
 def keep_off_bumps(robot: Robot, model: WorldModel, returns: bool = False) -> None:
-    """Keep the base off all places where it or its arm ran into an obstacle, by the guard against collisions.
+    """Let the collision guard keep the base off all places where it or its arm ran into an obstacle.
 
-    The footprint's current place counts as free.
+    The guard slows down or stops the base's commands. The footprint's current place counts as free.
 
     Args:
         robot: the robot.

@@ -58,7 +58,7 @@ class DirectedTolerance(FileModel):
 
 
 class Place(FileModel):
-    """A pose of the base that has a name."""
+    """Named pose of the base on the map, with its tolerances and the object in front of it, if any."""
 
     x_m: float
     y_m: float

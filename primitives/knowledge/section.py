@@ -133,9 +133,10 @@ class Section:
         return {}
 
     def fit(self, robot: RobotFile, grid: GridMap, places: Mapping[str, Place]) -> Iterator[Finding]:
-        """Compute data that depend on the robot, such as places of its base; yield what is impossible.
+        """Compute data that depend on the robot, such as places of its base; yield findings if that fails.
 
-        Called once, before anything moves; `places` then returns the computed ones too.
+        The method is called once, before anything moves. Afterwards, `places` also returns the computed
+        places.
 
         Args:
             robot: the robot's file.

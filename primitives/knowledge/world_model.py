@@ -36,7 +36,7 @@ MOVED_MARGIN_M = 0.08  # from the outline of a thing that was measured, within w
 class Declares(Protocol):
     """Interface of a class that declares which entries of the world model it reads and writes.
 
-    Every primitive does.
+    Every primitive implements it.
     """
 
     reads: ClassVar[tuple[str, ...]]

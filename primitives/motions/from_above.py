@@ -54,7 +54,7 @@ def gripping(robot: Robot, size: Size, base_T_thing: Transform) -> Transform:
 
 
 def gripped(robot: Robot, size: Size) -> Box:
-    """Return the box, in the hand frame, of a thing that the hand holds from above as in `gripping`.
+    """Return the box of a thing that the hand holds from above, posed in the hand frame.
 
     Args:
         robot: robot with the hand.

@@ -61,7 +61,7 @@ class HandOver(ActionPrimitive):
 
     The arm brings the object ahead of the robot, upright, or moves to a named posture. The fingers open once
     a force has pulled at the hand for a while; a bump or a push is no pull. Then the closing fingers must
-    show that the hand is empty, and a picture of the floor that the object has not fallen.
+    show that the hand is empty, and a picture of the floor must show that the object has not fallen.
     """
 
     posture: Annotated[str, Field(min_length=1)] | None = None
