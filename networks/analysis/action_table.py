@@ -110,7 +110,7 @@ def _loops(table: ActionTable) -> list[list[int]]:
 
 
 def table_absorption(table: ActionTable, p: float) -> Absorption:
-    """Return the probabilities of a table's ends and the expected number of primitives that a run starts.
+    """Return the probabilities of the ends of an action table's runs, and their mean number of primitives.
 
     Each primitive succeeds with probability `p`, and Fails otherwise.
     """

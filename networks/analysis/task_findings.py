@@ -22,10 +22,11 @@ from .worst_cases import WorstCases
 
 
 def task_findings(task: Task) -> list[Finding]:
-    """Return the doubtful parts of a task's network.
+    """Return findings on the doubtful parts of a task's network.
 
-    These are situations that no run reaches or that lead nowhere, and facts that cannot change as stated,
-    or that an action's effect on the hand contradicts.
+    Doubtful are situations that no run reaches or from which nothing leads on, causes that a primitive never
+    gives, interrupts without a route, changes of facts that do not suit an action's primitive, and facts that
+    contradict the hand's content after an action.
     """
     facts = [*fact_findings(task), *denied_hand_facts(task)]
     ends = condition_findings(task) if isinstance(task.file, ConditionFile) else _dead_ends(task)

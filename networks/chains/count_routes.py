@@ -40,8 +40,8 @@ class _Way(NamedTuple):
 class RouteFinder:
     """Search for the cheapest routes by relaxation (Bellman, 1958), for many combinations of Fails at once.
 
-    As in `PlanSearch`, an action's weight is its cost, which each of its Fails doubles; an action without
-    attempts left is excluded.
+    An action's weight is its cost, doubled for each of its Fails; an action without attempts left is
+    excluded. The routes are those of `PlanSearch`.
     """
 
     def __init__(self, network: ActionNetwork) -> None:

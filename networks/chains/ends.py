@@ -35,7 +35,7 @@ class Ends(NamedTuple):
         return Ends(*(a + b for a, b in zip(self, other, strict=True)))
 
     def then(self, rest: Ends) -> Ends:
-        """Return the ends of runs through this part that continue, once at its goal, with `rest`."""
+        """Return the ends of runs through this part and then, if they reach its goal, the part `rest`."""
         short = Ends(no_way=self.no_way, give_up=self.give_up, unknown=self.unknown)
         return short.plus(rest.after(self.goal)).plus(rest.with_a_skip().after(self.skipped))
 

@@ -14,7 +14,10 @@ DENSE_MAX_ROWS = 100
 
 
 class LinearSolver:
-    """Solver of (I - Q) x = b and of (I - Q)ᵀ x = b, with Q the transitions among transient states."""
+    """Solver of (I - Q) x = b and of (I - Q)ᵀ x = b for an absorbing Markov chain.
+
+    Q holds the transition probabilities among the chain's transient states.
+    """
 
     def __init__(self, size: int, links: ChainLinks, circles: bool) -> None:
         """Factorize the matrix I - Q.

@@ -42,7 +42,7 @@ class TooLarge(Exception):
 
 @dataclass(frozen=True)
 class Policy:
-    """The coordinator's decisions as a graph of states."""
+    """Next action in each state that runs can reach, and the states that may follow, as a graph of states."""
 
     network: ActionNetwork
     start: State
@@ -96,7 +96,8 @@ def explored(
 ) -> Policy:
     """Return the decisions of the rule in the states that runs can reach, as far as the budget suffices.
 
-    If the budget is spent, the states found so far are returned with `is_complete` False.
+    The rule takes the cheapest route to the goal. If the budget is spent, the states found so far are
+    returned with `is_complete` False.
 
     Args:
         network: the network.

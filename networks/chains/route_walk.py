@@ -63,7 +63,7 @@ class RouteWalk:
                 self._after_fail[number, action.index] = place[to or action.source]
 
     def after(self, states: FlowStates) -> Iterator[FlowStates]:
-        """Follow runs from `states`, sorted by `counts`, until each Fails once or ends.
+        """Follow runs from `states`, sorted by `counts`, until each run has one more Fail or has ended.
 
         Yield the states after these Fails; add runs that end to `ends`.
         """

@@ -42,7 +42,7 @@ BATCH_STEPS, STATE_STEPS, ROUTE_STEPS = 30.0, 0.3, 0.01
 
 
 class FlowResult(NamedTuple):
-    """Ends of the runs that a `RuleFlow` has followed, and how often they start each action."""
+    """Ends of the runs that a `RuleFlow` has followed along cheapest routes, and their starts of actions."""
 
     ends: Ends
     starts: FloatArray
@@ -114,7 +114,7 @@ class RuleFlow:
         return float(sum(states.p.sum() for states in self._waiting.values()))
 
     def least_steps(self, start: State, most: float) -> float:
-        """Return a lower bound of the steps of search for the rule's decisions in all states of the runs.
+        """Return a lower bound of the steps of search for the cheapest routes in all states of the runs.
 
         Args:
             start: state in which the runs begin.

@@ -23,7 +23,10 @@ class Stage:
 
     @cached_property
     def shape(self) -> tuple[object, ...]:
-        """All data that planning in the stage depends on, without names; equal for copies of a `repeat`."""
+        """All data that planning in this part of the network depends on, without names.
+
+        The data are equal for equal copies by a `repeat`.
+        """
         place = {name: number for number, name in enumerate(self.network.situations)}
         rows = tuple(
             (

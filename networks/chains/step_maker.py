@@ -87,7 +87,7 @@ class StepMaker:
         self._chances = chances
 
     def step(self, state: State) -> Step:
-        """Return the action that the rule takes in a state, with the states that may follow.
+        """Return the first action of the cheapest route in a state, with the states that may follow.
 
         Raises:
             TooMuch: the budget is spent.

@@ -59,7 +59,7 @@ class RunLife:
 
     @property
     def paused(self) -> bool:
-        """True while the robot holds and its time does not pass."""
+        """True during a pause, in which the robot holds and its time does not pass."""
         return self._state in (RunState.PAUSED_WHILE_ACTING, RunState.PAUSED_WHILE_RESTORING)
 
     def plan(self) -> None:
@@ -79,7 +79,7 @@ class RunLife:
         self._go("_restore", RunState.RESTORING)
 
     def pause(self) -> None:
-        """Enter a pause: the robot holds."""
+        """Enter the state of a pause, in which the robot holds and its time does not pass."""
         self._go("_pause", None)
 
     def resume(self) -> None:
@@ -87,7 +87,7 @@ class RunLife:
         self._go("_resume", None)
 
     def end(self) -> None:
-        """Enter the end, from which no state follows."""
+        """Enter the final state of the run, from which no other state follows."""
         self._go("_end", RunState.ENDED)
 
     def _go(self, trigger: str, state: RunState | None) -> None:

@@ -94,7 +94,10 @@ class SwitchVerdict(NamedTuple):
 
     @property
     def is_sure(self) -> bool:
-        """True if the best policy costs less than the rule in at least the share `SURE_SHARE` of draws."""
+        """True if the best policy costs less than the rule (the cheapest route is taken) in almost all draws.
+
+        That is at least the share `SURE_SHARE` of the drawn outcome probabilities.
+        """
         return not self.is_same and self.better_share >= SURE_SHARE
 
 

@@ -67,7 +67,11 @@ class Process:
         return other
 
     def stop_price(self, situation: str) -> float:
-        """Return the price of a run that ends in a situation short of the goal, in [s]."""
+        """Return the price of a run that ends in a situation short of the goal, in [s].
+
+        It is the price of calling a person, times the number of elements of repeats that are then left undone,
+        at least 1.
+        """
         return self.person_s * self._undone[self.part[situation]]
 
     def price(self, action: Action) -> float:

@@ -67,7 +67,8 @@ def rule_figures(process: Process, forecaster: Forecaster) -> PolicyFigures:
 def rule_price(process: Process, forecaster: Forecaster, forecast: Forecast) -> tuple[float, float]:
     """Return a lower and an upper bound of the expected price of a run that follows the rule, in [s].
 
-    The price is the time of the run, and `person_s` for each end short of the goal.
+    The rule takes the cheapest route. The price is the time of the run, and `person_s` for each end short of
+    the goal.
 
     Args:
         process: the network with its prices.

@@ -82,7 +82,7 @@ class StateTable:
 
     @property
     def expanded(self) -> BoolArray:
-        """(states,) True for those whose options are known."""
+        """(states,) True for states whose options (actions that can be started) are known."""
         return self._expanded.all
 
     @property

@@ -19,7 +19,7 @@ OTHER_CAUSES = "else"
 
 
 class AttemptsEntry(FileModel):
-    """Limit on the Fails of an action."""
+    """Keys of a task file that limit the Fails of an action, after which the action is excluded."""
 
     most: Count = 3
     """Maximum number of Fails, or `unlimited`."""

@@ -83,7 +83,7 @@ class FactSpace:
         return tuple(values)
 
     def facts_of(self, state: State) -> dict[str, Fact]:
-        """Return the physical facts of a state."""
+        """Return the physical facts of a state, without those about the robot's knowledge, by name."""
         return {
             name: values[number] for (name, values), number in zip(self.facts.items(), state, strict=False)
         }

@@ -58,13 +58,13 @@ class Judged(NamedTuple):
     """Number of each entry whose belief differs from the prior, and its weights a, b of Success and Fail."""
 
     def fields(self) -> dict[str, Any]:
-        """Return this choice between the rule and the file's policy as fields of a journal's record."""
+        """Return this choice of the cheapest route or the file's policy as fields of a journal's record."""
         beliefs = [[entry, round(a, 6), round(b, 6)] for entry, a, b in self.beliefs]
         kept = {"follows": self.follows, "better": round(self.better, 6), "saved_s": round(self.saved_s, 6)}
         return {**kept, "beliefs": beliefs}
 
     @classmethod
     def read(cls, fields: Mapping[str, Any]) -> Judged:
-        """Return the choice between the rule and the file's policy from fields that `fields` has returned."""
+        """Return the choice of the cheapest route or the file's policy from fields returned by `fields`."""
         beliefs = tuple((int(entry), float(a), float(b)) for entry, a, b in fields["beliefs"])
         return cls(str(fields["follows"]), float(fields["better"]), float(fields["saved_s"]), beliefs)

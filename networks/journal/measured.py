@@ -37,7 +37,7 @@ def measured_fields(at: Snapshot) -> At:
 
 
 def snapshot_of(fields: Mapping[str, Any]) -> Snapshot:
-    """Return the snapshot described by the fields of `measured_fields`.
+    """Return the robot's snapshot that `measured_fields` has converted to the given fields.
 
     Raises:
         KeyError, TypeError: the fields do not describe a snapshot.

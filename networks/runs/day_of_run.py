@@ -63,8 +63,8 @@ def day_clock(prepared: Prepared, options: RunOptions, past: Past | None) -> Day
 def began_at(header: Mapping[str, Any]) -> time:
     """Return the time of day at which a past run began.
 
-    For a simulated run with times of day it is the chosen one, otherwise that of the wall clock in this
-    computer's time zone.
+    If a simulated run uses times of day, this is the time chosen for it. Otherwise it is the time of the wall
+    clock, in this computer's time zone.
 
     Args:
         header: first record of the run's journal.

@@ -133,7 +133,7 @@ class RobotClaim:
 
 
 def claims_folder() -> Path:
-    """Return the folder of the robots' claims."""
+    """Return the folder with a file for each real robot, which shows the run that has claimed the robot."""
     return state_folder() / "robots"
 
 

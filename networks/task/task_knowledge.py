@@ -58,14 +58,14 @@ class TaskKnowledge:
         return found
 
     def all_places(self) -> dict[str, Place]:
-        """Return the map's places and those that domains' files add, by name."""
+        """Return the places of the map and of all sections' files, by name."""
         return {**(self.places.value.places if self.places else {}), **self._more_places()}
 
     def _more_places(self) -> dict[str, Place]:
         return {name: place for section in self.sections.values() for name, place in section.places().items()}
 
     def fresh_sections(self) -> dict[str, Section]:
-        """Return new copies of the domains' sections for a run, which changes them."""
+        """Return new copies of all world model sections for one run; the run may change them."""
         return {name: replace(section) for name, section in self.sections.items()}
 
 
@@ -102,7 +102,7 @@ def read_knowledge(
 def read_sections(
     paths: Mapping[str, Path], start: Pose2, document: Document, findings: Findings
 ) -> dict[str, Section]:
-    """Read the domains' sections that have a file, by the domains' names.
+    """Read the world model sections that have a file, by the names of their domains (kinds of work).
 
     Args:
         paths: paths of the files, by their keys under `knowledge:`.
@@ -148,5 +148,5 @@ def is_start_unknown(document: Document, names: Collection[object]) -> bool:
 
 
 def domain_keys() -> list[str]:
-    """Return the keys under `knowledge:` that domains add."""
+    """Return the keys of a task file's `knowledge:` that belong to world model sections."""
     return [key for domain in domains() if domain.knowledge for key in domain.knowledge.files]

@@ -70,8 +70,9 @@ class _Difference(NamedTuple):
 class LandmarkViews:
     """Identification of landmarks, which all look alike, in the pictures of one fixation.
 
-    An explanation assigns each mark that was seen to a landmark of the plan. A mark is remembered until a
-    picture that should show it does not. `frames` is the number of pictures taken.
+    A fixation measures the base's pose at a landmark. An explanation assigns each mark that was seen to a
+    landmark of the plan. A mark is remembered until a picture that should show it does not. `frames` is the
+    number of pictures taken.
     """
 
     def __init__(self, robot: Robot, view: PlannedView, sought: Sought, evidence: Evidence) -> None:
@@ -115,7 +116,7 @@ class LandmarkViews:
     def explanations(self) -> list[MarkAssignment]:
         """Most likely assignment of seen marks to landmarks, then similarly likely ones, best first.
 
-        The latter are only those from which a different pose of the base follows.
+        Of the similarly likely assignments, only those are included from which another base pose follows.
         """
         return rivals(self._explained) if self._explained else []
 

@@ -90,7 +90,7 @@ class ActionPrimitive(FileModel, ABC):
     def usual_hand_use(cls) -> HandUse:
         """Return the content of the hand that the primitive requires at its start, and that after Success.
 
-        For primitives whose parameters decide this, `hand_use` of an instance differs.
+        If a primitive's parameters decide this, the result of `hand_use` for an instance may differ.
         """
         if cls.hand is not None:
             return cls.hand

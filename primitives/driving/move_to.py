@@ -369,7 +369,7 @@ class MoveTo(ActionPrimitive):
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
         """Drive back along the recorded route; wait for obstacles that are on it now.
 
-        If they stay, and the arm did not move during the drive, take another route that is free.
+        If the obstacles stay, and the arm did not move during the drive, take another route that is free.
         """
         self._blocked_since, self._restores = None, True
         if self._local is not None:

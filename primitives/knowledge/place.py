@@ -49,7 +49,7 @@ class Shelf(FileModel):
 
 
 class DirectedTolerance(FileModel):
-    """Tolerance of a base's position at a place, by direction."""
+    """Tolerance of a base's position at a place, along and across the place's heading."""
 
     along: Positive
     """Tolerance in the direction of the place's heading, ahead or behind, in [mm]."""

@@ -101,10 +101,10 @@ class MovedKnowledge(Protocol):
 
 @dataclass
 class Section:
-    """A domain's part of the world model: a dataclass whose fields are its entries.
+    """Part of the world model for one domain, which is a kind of work; its fields are its entries.
 
     Entries in `LEARNED` are found out in a run; the others are read from files before it. Each has a default,
-    for robots that know nothing of the domain.
+    for robots that know nothing of the domain. A subclass is a dataclass.
     """
 
     FILES: ClassVar[Mapping[str, type[FileModel]]] = {}

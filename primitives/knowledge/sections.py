@@ -18,13 +18,13 @@ def section_class(domain: Domain) -> type[Section] | None:
 
 
 def sections() -> dict[str, type[Section]]:
-    """Return the classes of all world model sections, by the names of their domains."""
+    """Return the classes of all world model sections, by the names of their domains (kinds of work)."""
     found = {domain.name: section_class(domain) for domain in domains()}
     return {name: kind for name, kind in found.items() if kind is not None}
 
 
 def name_of(kind: type[Section]) -> str:
-    """Return the name of the domain that a section belongs to."""
+    """Return the name of the domain (kind of work) to which a class of world model sections belongs."""
     return _name_of(cast(Any, kind))
 
 

@@ -69,7 +69,7 @@ SectionT = TypeVar("SectionT", bound=Section)
 
 @dataclass
 class WorldModel:
-    """Knowledge of the robot: map, places, obstacles, and a section for each domain.
+    """Knowledge of the robot: map, places, obstacles, and a section for each domain (kind of work).
 
     A task may repeat its actions for each element of a list, such as each object to fetch; `clear_element`
     clears the knowledge about the present element.
@@ -135,7 +135,7 @@ class WorldModel:
         return np.vstack([np.empty((0, 3)), *(section.discs() for section in self.sections.values())])
 
     def of(self, kind: type[SectionT]) -> SectionT:
-        """Return the section of a domain, given its class."""
+        """Return the section of a given class, which holds the knowledge for one kind of work."""
         name = name_of(kind)
         section = self._section(name, kind)
         assert isinstance(section, kind)
@@ -150,7 +150,7 @@ class WorldModel:
     def fit(self, robot: RobotFile) -> list[Finding]:
         """Complete the model for a robot, before the start of a run.
 
-        The domains compute data that depend on the robot, such as places, which are added to `places`. Areas
+        The sections compute data that depend on the robot; the places among them are added to `places`. Areas
         whose content may have moved are marked on the map.
 
         Returns:
@@ -247,7 +247,7 @@ class WorldModel:
 
     @classmethod
     def entry_types(cls) -> dict[str, Any]:
-        """Return the types of all entries, those of domains included."""
+        """Return the types of all entries by name, including the entries of the sections."""
         found = {name: kind for name, kind in types_of(cls).items() if name in cls.ENTRIES}
         for section in sections().values():
             found |= {name: types_of(section)[name] for name in section.entries()}
