@@ -33,7 +33,7 @@ class State(NamedTuple):
 
 
 class Step(NamedTuple):
-    """Decision of a policy in a state."""
+    """Decision of a policy in a state, which is the next action, with the states that may follow."""
 
     action: Action | None
     """The action; None if no route is left."""

@@ -27,7 +27,7 @@ Periods = Generator[None, None, Outcome | NotStarted | None]
 
 
 class Request(Enum):
-    """Requests that a run accepts from outside."""
+    """Request that an operator, a program or a signal makes to a run, such as a pause or a stop."""
 
     PAUSE = "pause"
     RESUME = "resume"

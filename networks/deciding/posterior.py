@@ -53,7 +53,7 @@ class OutcomeCounts(NamedTuple):
 
     @property
     def chance(self) -> Chance:
-        """Expected probabilities of the three outcomes."""
+        """Expected probabilities of Success, Fail and GiveUp, given the counted outcomes."""
         success, fail, give_up = self.weights
         total = success + fail + give_up
         shares = self.fail_weights, self.result_weights

@@ -18,7 +18,7 @@ MIN_PROBABILITY = 1e-12
 
 
 class ProcessOption(NamedTuple):
-    """An action that can be started in a state."""
+    """An action that can be started in a state, with its expected cost and the states that may follow."""
 
     action: Action
     cost: float
@@ -69,8 +69,8 @@ class Process:
     def stop_price(self, situation: str) -> float:
         """Return the price of a run that ends in a situation short of the goal, in [s].
 
-        It is the price of calling a person, times the number of elements of repeats that are then left undone,
-        at least 1.
+        It is the price of calling a person, times the number of elements of repeats that are then left
+        undone, at least 1.
         """
         return self.person_s * self._undone[self.part[situation]]
 

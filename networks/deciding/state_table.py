@@ -87,7 +87,7 @@ class StateTable:
 
     @property
     def transitions(self) -> int:
-        """Number of transitions from all expanded states."""
+        """Number of transitions from all states whose options (actions that can be started) are known."""
         return len(self._p.all)
 
     def number(self, key: bytes) -> int | None:

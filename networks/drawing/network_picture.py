@@ -60,7 +60,7 @@ class DrawnBox(NamedTuple):
 
 
 class DrawnFrame(NamedTuple):
-    """Frame around a repeated part."""
+    """Frame around a repeated part of a drawn network."""
 
     x: float
     y: float

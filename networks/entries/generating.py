@@ -30,7 +30,7 @@ class NotGenerated(ValueError):
 
 
 class Generated(NamedTuple):
-    """A network that was generated from conditions."""
+    """A network that was generated from conditions, with its goal and the facts of its situations."""
 
     copies: Copies
     facts: Mapping[str, Mapping[str, Fact]]

@@ -174,7 +174,7 @@ class Action:
         return tuple(dict.fromkeys(item for item in named if item is not None))
 
     def after_fail(self, cause: str = "") -> str:
-        """Return the situation after a Fail of a cause."""
+        """Return the situation after a Fail with a given cause."""
         every = {ending.cause: ending.target for ending in self.fail_endings}
         return every.get(cause, self.on_fail) or self.source
 

@@ -188,7 +188,7 @@ class RunLog(Intents):
         self._tell(lambda: LeftOut(self._robot.time, action, reason))
 
     def not_started(self, action: Action, reason: str) -> NotStarted:
-        """Log that an action could not be started."""
+        """Log that an action could not be started, and return this as the action's result."""
         self.open = False
         self._write("NOT_STARTED", records.NotStartedRecord(action=action.index, reason=reason))
         self._tell(lambda: LeftOut(self._robot.time, action, reason))

@@ -207,7 +207,7 @@ class Skip(TypedDict):
 
 @with_config(_OPEN)
 class Aim(TypedDict):
-    """Record of another goal that the run pursues."""
+    """Record that the run now pursues another goal, or waits for the next round."""
 
     what: Literal["abandon", "interrupt", "round", "wait"]
     """The goal is abandoned, an interrupt comes first, another round begins, or the round waits."""

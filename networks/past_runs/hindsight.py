@@ -27,7 +27,7 @@ class OpenRoute:
 
 @dataclass(frozen=True)
 class FailRoute:
-    """The cheapest route to the goal after a Fail."""
+    """The cheapest route to the goal after a Fail of the chosen action with a certain cause."""
 
     cause: str
     """Cause of the Fail; empty for all causes that `Action.fail_endings` does not name."""

@@ -63,7 +63,7 @@ class ComparedAction:
 
 @dataclass(frozen=True)
 class RunComparison:
-    """Differences between two runs."""
+    """Comparison of two past runs, with their actions in pairs."""
 
     one: PastRun
     other: PastRun

@@ -21,7 +21,7 @@ _HEADER = 16 * 2**20  # of a journal, in [bytes]: a header holds its task's netw
 
 @dataclass(frozen=True)
 class ListedRun:
-    """Row of a list of runs."""
+    """Row of a list of runs, with the task, begin and outcome of one run."""
 
     folder: Path
     task: str

@@ -33,7 +33,7 @@ class SteadyMemory(RunObserver):
         gc.disable()
 
     def event(self, event: Event) -> None:
-        """Collect garbage after an action has ended."""
+        """Run Python's garbage collection if the event is the end of an action."""
         if isinstance(event, Ended):
             gc.collect()
 

@@ -72,7 +72,7 @@ Primitives = Callable[[str], type[ActionPrimitive]]
 
 @dataclass(frozen=True)
 class Task:
-    """A task file that was read and checked."""
+    """A task file that was read and checked, with its network and the content of the files that it names."""
 
     file: AnyTaskFile
     document: Document

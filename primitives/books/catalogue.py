@@ -14,7 +14,7 @@ Positive = Annotated[float, Field(gt=0.0)]
 
 
 class Book(FileModel):
-    """A book in the catalogue."""
+    """A book in the catalogue, with its tag, label, dimensions and place."""
 
     accession: Annotated[int, Field(ge=0)]
     """Number of its tag."""

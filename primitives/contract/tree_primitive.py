@@ -45,7 +45,7 @@ class TreePrimitive(ActionPrimitive):
         """
 
     def motion(self, robot: Robot, model: ModelView) -> Periods:
-        """Tick the tree to its end."""
+        """Tick the behaviour tree once a period until it ends."""
         with robot_clock(lambda: robot.time):
             root = self.tree(robot, model)
         yield from ticked(root, lambda: robot.time)

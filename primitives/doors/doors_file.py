@@ -50,7 +50,7 @@ class KnownDoor(DoorShape):
 
 
 class DoorsFile(FileModel):
-    """Doors and drawers that a robot opens and closes."""
+    """File of the doors and drawers that a robot opens and closes."""
 
     format: Literal["handcart-doors/1"]
     doors: dict[Name, KnownDoor]

@@ -36,7 +36,7 @@ LEFT_WORDS = {
 
 
 class FrontierGoal(NamedTuple):
-    """Frontier to which the base drives."""
+    """Frontier to which the base drives, with the position from which it is looked at."""
 
     view: tuple[float, float]
     """x and y on the growing map, in [m], from which the frontier is looked at."""

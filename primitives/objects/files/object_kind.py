@@ -40,7 +40,7 @@ class ObjectKind(FileModel):
 
     @property
     def size(self) -> tuple[float, float, float]:
-        """Size along x, y and z, in [m]."""
+        """Size of an object of this kind along x, y and z, in [m]."""
         x, y, z = (item / 1e3 for item in self.size_mm)
         return x, y, z
 
