@@ -65,7 +65,8 @@ def forecast(network: ActionNetwork, chances: Chances) -> Forecast:
 
     Args:
         network: the network.
-        chances: outcome probabilities of each action, by its number; None if it skips an element.
+        chances: outcome probabilities of each action, in the order of the network; None if the action only
+            skips an element of a repeat.
 
     Raises:
         TooLarge: a part of the network has too many states.

@@ -175,7 +175,7 @@ def likely_policy(network: ActionNetwork, chances: Chances, effort: Effort, star
 
     Args:
         network: the network.
-        chances: outcome probabilities of each action; None if it skips an element.
+        chances: outcome probabilities of each action; None if it only skips an element of a repeat.
         effort: budget; when it is spent, the states found so far are returned, as an incomplete policy.
         start: state in which the runs begin.
     """

@@ -76,7 +76,10 @@ class Beliefs:
         return tuple((entry, *self.weights(entry)[:2]) for entry in sorted(self._seen))
 
     def chances(self) -> list[Chance | None]:
-        """Return the mean outcome probabilities of each action; None if the action skips an element."""
+        """Return the mean outcome probabilities of each action by the present beliefs.
+
+        An action that only skips an element of a repeat has None.
+        """
         known = {entry: _mean(self.weights(entry)) for entry in self._prior}
         return [known.get(entry) for entry in self._entries]
 
@@ -84,7 +87,7 @@ class Beliefs:
         """Return `DRAW_COUNT` random draws of the outcome probabilities of all actions of the network.
 
         They come from the beliefs' Dirichlet distributions; the same seed and beliefs give the same draws. An
-        action that skips an element has None.
+        action that only skips an element of a repeat has None.
         """
         order = list(self._prior)
         draws = np.random.default_rng([31, seed])

@@ -66,7 +66,7 @@ class BestPolicy:
         """Return a best policy for other outcome probabilities, of which no decision is computed yet.
 
         Args:
-            chances: outcome probabilities of each action; None if it skips an element.
+            chances: outcome probabilities of each action; None if it only skips an element of a repeat.
             effort: budget for computing decisions.
         """
         other = copy(self)

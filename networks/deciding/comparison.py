@@ -86,7 +86,7 @@ def comparison(
 
     Args:
         network: the network.
-        chances: outcome probabilities of each action; None if it skips an element.
+        chances: outcome probabilities of each action; None if it only skips an element of a repeat.
         name: what is best: `expected_cost` or `goal_probability`.
         forecaster: forecaster of the same network; None: a new one.
     """

@@ -182,7 +182,7 @@ class StateTable:
         """Return the least expected costs (states,) after one step of value iteration, in [s].
 
         Args:
-            values: (states,) present costs, in [s]; states that were not expanded keep theirs.
+            values: (states,) present costs, in [s]; states whose options are not known yet keep their costs.
         """
         found = np.where(self.expanded, self.stop, values)
         if len(self._first.all):

@@ -25,7 +25,8 @@ class BeliefPrior(NamedTuple):
         Args:
             attempts: number of observed attempts that the file's probabilities weigh as much as; None if a
                 run does not learn probabilities.
-            entries: number in the file of each action of the network; None if it skips an element.
+            entries: number in the file of each action of the network; None if the action only skips an
+                element of a repeat.
 
         Returns:
             The prior; None if `attempts` is None.

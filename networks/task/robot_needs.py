@@ -28,7 +28,8 @@ def need_findings(
     Args:
         document: the task's file.
         network: its network.
-        entries: number in the file of each action of the network; None if it skips an element.
+        entries: number in the file of each action of the network; None if the action only skips an element
+            of a repeat.
         kinds: classes of the robot's capabilities.
         model: world model before the start; None to check the robot's capabilities alone.
     """

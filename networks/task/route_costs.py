@@ -102,7 +102,7 @@ def with_route_costs(
 
     Args:
         actions: the actions.
-        entries: number of the file's entry of each action; None if it skips an element.
+        entries: number of the file's entry of each action; None if it only skips an element of a repeat.
         rows: the file's entries.
         facts: facts of each situation.
         times: driving times.

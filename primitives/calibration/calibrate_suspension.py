@@ -58,7 +58,7 @@ class HandSurroundings(NamedTuple):
 
 
 class CalibrateSuspension(ActionPrimitive):
-    """View landmarks near and far, then swing the load out and back; fit the base's tilt and turn.
+    """View landmarks near and far, then swing the load out and back, to measure the base's tilt and turn.
 
     The base tilts towards the hand, so that landmarks in views from near and far, high and low, appear
     shifted and nearer. The base also turns with each swing of the loaded arm, so that the same landmark then

@@ -81,7 +81,7 @@ class LocalReplanning:
 
     @property
     def holds(self) -> bool:
-        """True if the base has to hold, because no route leads on or a person has to pass first."""
+        """True if the base has to wait at rest, because its goal has no route or a person has to pass."""
         return self.blocked_since is not None or self.speed_limit <= 0.0
 
     @property
@@ -281,7 +281,7 @@ class LocalReplanning:
         """Drive straight away from the obstacle before which the base was stopped, and plan a new route.
 
         A base with a circular footprint reverses its last direction. A base with a polygonal footprint drives
-        away from its end (front or rear) near the obstacle, or towards it if the former failed the last time.
+        away from its end (front or rear) near the obstacle, or the opposite way if that failed the last time.
         """
         self._backed_off += 1
         held = robot.held
