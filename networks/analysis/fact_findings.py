@@ -21,7 +21,7 @@ Changes = Mapping[str, tuple[object, object]]
 def fact_findings(task: Task) -> list[Finding]:
     """Return findings on changes of facts by Success that do not suit the action's primitive.
 
-    Either the primitive cannot change such a fact, or it does not change it in the task's other actions. A
+    Either the primitive cannot change the fact, or its other actions in the task do not change the fact. A
     Fail that would change facts is rejected already when the file is read.
     """
     actions = dict(reversed([(e, a) for a, e in zip(task.network.actions, task.entries, strict=True)]))

@@ -27,10 +27,7 @@ Path = tuple[tuple[int, str], ...]
 
 @dataclass(frozen=True)
 class NoWayLeft:
-    """A run that ends in a situation because no action is left to try.
-
-    Of all runs that end so in this situation, it is one with the fewest Fails.
-    """
+    """Run with the fewest Fails that ends in a certain situation because no action is left to try."""
 
     situation: str
     """Situation in which the run ends."""

@@ -206,7 +206,7 @@ class Aftermath:
         return [self._after(action, to or action.source, after) for to in every]
 
     def at(self, situation: str, fails: Mapping[int, int]) -> State:
-        """Return the state in a situation, with the Fails that can still matter there.
+        """Return the state in a situation, with the Fails of actions that a run can still start from there.
 
         Args:
             situation: the situation.

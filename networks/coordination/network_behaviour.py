@@ -50,7 +50,7 @@ class NetworkBehaviour(Behaviour):
         self.end = None
 
     def initialise(self) -> None:
-        """Start or continue the run when the tree turns to this behaviour."""
+        """Start or continue the run when the behaviour tree begins to tick this behaviour."""
         if self.latched:
             return
         if self._coordinator is not None:  # interrupted before

@@ -104,8 +104,9 @@ class BestValues:
         return self._best_known(state)
 
     def likely(self, state: State) -> Decision | None:
-        """Return what is known of the best decision in a state, without searching; None if the state was not
-        looked at, or is too unlikely to matter.
+        """Return the best decision in a state by the bounds computed so far, without searching.
+
+        The result is None if the search has not examined the state, or runs are unlikely to reach it.
         """
         search = self._search(state)
         if search is None:

@@ -21,7 +21,7 @@ _Ending = tuple[float, int, bool]
 
 
 class Following(NamedTuple):
-    """Actions (options) that can be started in given states, with the transitions by each to other states."""
+    """Actions (options) that can be started in given states, with transitions to the states that follow."""
 
     state: IntArray
     """(options,) number of the state in which each option can be started, ascending."""

@@ -28,7 +28,7 @@ RESERVED_NAMES = ("p", "result")
 class FactSpace:
     """Names and possible values of a task's facts; a `State` is a value's index for each fact.
 
-    Physical facts hold in the world; known ones only describe what the robot knows.
+    Physical facts hold in the world; known facts only describe the robot's knowledge.
     """
 
     facts: Mapping[str, Sequence[Fact]]

@@ -71,7 +71,7 @@ class NetworkGenerator:
     """Generator of a network from conditions.
 
     From the start, it follows every action whose conditions hold to the situations that the action leads to.
-    All situations in which the goal's conditions hold become one.
+    All situations in which the goal's conditions hold are merged into one.
     """
 
     def __init__(

@@ -187,7 +187,7 @@ class Action:
         """Return data that planning depends on besides situations, cost and number of attempts.
 
         The data are the situations after other results and after Fails of certain causes, and the rules for
-        shared, renewed or unlimited attempts. They are empty for an action that has none of these.
+        shared, renewed or unlimited attempts, as far as the action has any; with chances also probabilities.
 
         Args:
             with_chances: whether planning also depends on the probabilities of the outcomes.

@@ -69,7 +69,7 @@ class PlanSearch:
 
         Args:
             situation: situation in which the route begins.
-            fails: counts of Fails by counter (`Action.counter`), as in `Attempts`.
+            fails: counts of Fails and renewals (`Attempts`), by the actions' `counter`.
             without: numbers of further actions that are excluded.
         """
         found: list[Action] = []
@@ -111,7 +111,7 @@ class PlanSearch:
 
         Args:
             situation: situation in which the route begins.
-            fails: counts of Fails by counter (`Action.counter`), as in `Attempts`.
+            fails: counts of Fails and renewals (`Attempts`), by the actions' `counter`.
         """
         return self._segment(self._place[situation], self._weights(fails), fails)
 
@@ -120,7 +120,7 @@ class PlanSearch:
 
         Args:
             actions: the actions.
-            fails: counts of Fails by counter (`Action.counter`), as in `Attempts`.
+            fails: counts of Fails and renewals (`Attempts`), by the actions' `counter`.
 
         Returns:
             The action's cost, doubled for each of its Fails; infinite if the action is excluded.
@@ -133,7 +133,7 @@ class PlanSearch:
 
         Args:
             action: the action.
-            fails: counts of Fails by counter (`Action.counter`), as in `Attempts`.
+            fails: counts of Fails and renewals (`Attempts`), by the actions' `counter`.
         """
         return self._weights(fails).get(action.index, self._base[action.index])
 
@@ -260,7 +260,7 @@ class PlanSearch:
         """Return the actions whose Success gives used-up attempts back.
 
         Args:
-            fails: counts of Fails by counter (`Action.counter`), as in `Attempts`.
+            fails: counts of Fails and renewals (`Attempts`), by the actions' `counter`.
 
         Returns:
             By the action's number, the counters that it renews, each with its count after the renewal.

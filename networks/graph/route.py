@@ -84,7 +84,7 @@ class RunDecisions:
 
     @property
     def priority(self) -> int | None:
-        """Priority of the interrupt whose goal is pursued; None without one."""
+        """Priority of the interrupt whose goal is pursued; None if the run pursues no interrupt."""
         return self._first[-1][1] if self._first else None
 
     @property

@@ -118,7 +118,7 @@ def choice_of(run: PastRun, action: PastAction) -> Choice | None:
 
 
 def counts_now(run: PastRun) -> dict[int, int]:
-    """Return the counts of Fails after all records of a run, by counter (`Action.counter`), as in `Attempts`.
+    """Return the counts of Fails and renewals (`Attempts`) at a run's end, by the actions' `counter`.
 
     Counts of 0 may be missing. The journal of the run must keep its network.
     """

@@ -53,12 +53,12 @@ class Past:
 
     @property
     def last(self) -> int:
-        """Number of the journal's last whole record."""
+        """Number of the journal's last complete record."""
         return len(self.contents.records) - 1
 
     @property
     def time_s(self) -> float:
-        """The robot's time of the journal's last whole record, in [s]."""
+        """The robot's time of the journal's last complete record, in [s]."""
         return float(self.contents.records[-1]["t"])
 
     @property

@@ -46,7 +46,7 @@ def with_parameters(document: Document, findings: Findings) -> Document:
 
 
 def with_listed_repeats(document: Document) -> Document:
-    """Return the document with its repeats as a list, also where there is only one."""
+    """Return the document with its key `repeat` as a list, even if the file has a single mapping there."""
     node = document.root.child(REPEAT_KEY)
     if node is None or not isinstance(node.content, dict):
         return document

@@ -132,7 +132,7 @@ def _adapter(kind: type[ActionPrimitive], late: frozenset[str]) -> TypeAdapter[A
 
 
 def named_entry(field: FieldInfo) -> str:
-    """Return the entry of the world model, such as `places`, one of whose names a parameter has to be.
+    """Return the entry of the world model, such as `places`, that has to contain a parameter's value.
 
     The primitive marks its parameter with this entry (`Names`). The result is empty without such a mark.
     """

@@ -198,7 +198,7 @@ class FixAgainImu(FixAgainModel):
 class Servo(FixOnce):
     """Correction of the base's motion before a placing, by viewing a landmark next to the goal.
 
-    The goal is measured relative to that landmark while the hand holds the block over it.
+    The goal's pose follows from that of this landmark, which is viewed with the block in the hand.
     """
 
     views_goal: ClassVar = True

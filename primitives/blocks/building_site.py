@@ -32,7 +32,7 @@ def surroundings(robot: Robot, model: ModelView) -> tuple[Box, ...]:
 def standing(robot: Robot, model: ModelView) -> Pose2:
     """Return the pose map_T_base of the base.
 
-    It is the one measured at a landmark if the wheels have not moved since, otherwise that of the localizer.
+    The pose measured at a landmark is returned if the wheels have not moved since, otherwise the localizer's.
     """
     fixed = model.of(Blocks).fixed
     here = fixed is not None and fixed.travel == robot.base.wheel_travel()

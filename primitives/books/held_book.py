@@ -12,7 +12,7 @@ from .book_grip import book_in, unlike_book
 
 
 class HeldBookPrimitive(TreePrimitive):
-    """Primitive with a tree that moves the recognized book, and begins only with this book in the hand."""
+    """Primitive that moves the recognized book by a behaviour tree; it needs this book in the hand."""
 
     @override
     def thing(self, model: ModelView) -> str:

@@ -22,7 +22,7 @@ MAX_DEPTH = 6  # calls from a behaviour's method that are followed
 
 
 def refuse_wall_clock(nodes: Iterable[Behaviour]) -> None:
-    """Reject a tree before its first tick if the code of a node reads the wall clock.
+    """Reject a behaviour tree before its first tick if the code of a node reads the wall clock.
 
     Raises:
         WallClockError: names each such behaviour with file, line and function.

@@ -139,7 +139,7 @@ class ActionPrimitive(FileModel, ABC):
 
     @abstractmethod
     def motion(self, robot: Robot, model: ModelView) -> Periods:
-        """Control the robot until the motion's end is reached, as a generator that yields once a period."""
+        """Control the robot during the primitive's motion, as a generator that yields once a period."""
 
     def watch(self, robot: Robot, model: ModelView) -> None:
         """Check a condition that must hold during the motion; called once a period, also while restoring.
@@ -218,7 +218,7 @@ class ActionPrimitive(FileModel, ABC):
             yield
 
     def point_of_no_return(self, what: str) -> None:
-        """Declare that what happens from here on can't be undone; only Success or GiveUp is left."""
+        """Declare that effects of the motion from now on can't be undone; only Success or GiveUp is left."""
         self._no_return = what
         self._intents.passed(what)
 

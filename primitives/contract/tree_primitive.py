@@ -38,7 +38,7 @@ class TreePrimitive(ActionPrimitive):
 
     @abstractmethod
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
-        """Return a new tree for this attempt.
+        """Return a new behaviour tree for this attempt of the primitive.
 
         Robot and model may only be used when the leaves run, not while the tree is built, because
         `handcart describe` builds the tree without them.
@@ -95,7 +95,7 @@ def leaves(steps: Mapping[str, Step]) -> list[Behaviour]:
 
 
 def ticked(root: Behaviour, now: Callable[[], float]) -> Periods:
-    """Tick a tree once a period until it has succeeded.
+    """Tick a behaviour tree once a period until it has succeeded.
 
     Args:
         root: a new tree.

@@ -48,7 +48,7 @@ TRIED_AGAIN = (causes.BLOCKED, causes.NO_ROUTE, causes.OFF_GOAL, causes.UNDETERM
 class Explore(ActionPrimitive):
     """Draw a map by driving to frontiers, where known ground borders on unknown, until none is left to cross.
 
-    The map begins empty (`map: none`), or as the given one. It is made from scans and wheel odometry by a
+    The map begins empty (`map: none`), or with the given map. It is made from scans and wheel odometry by a
     pose graph with keyframes and loop closures, as by `handcart map`. Success means that the map has no
     reachable frontier larger than the robot; the findings state how much of the border stays unknown, and
     why. The map is saved in the run's folder, also after a Fail. After a Fail the base is back at its start,

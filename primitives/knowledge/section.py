@@ -156,7 +156,7 @@ class Section:
     def movable_areas(self) -> Iterable[MovableArea]:
         """Return the areas of the map whose contents may have moved since the files were written.
 
-        The localizer does not use what a lidar sees there.
+        The localizer ignores lidar points in these areas.
         """
         return ()
 

@@ -73,7 +73,7 @@ def goals_on(surface: ObjectSurface, spot: str | None) -> list[Transform]:
 
 
 def turned(place: Pose2, height: float, any_heading: bool) -> list[Transform]:
-    """Return poses (4, 4) of an object's foot at a place, with the place's heading or with several ones.
+    """Return poses (4, 4) of an object's foot at a place, with the place's heading or several headings.
 
     Args:
         place: position and heading, in any frame.
