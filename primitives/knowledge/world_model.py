@@ -128,9 +128,9 @@ class WorldModel:
 
     @property
     def discs(self) -> FloatArray:
-        """Known obstacles for a base that plans without a map, as discs (n, 3): x, y and radius, in [m].
+        """Known obstacles for a base that plans without a map, as discs (n, 3), in [m].
 
-        They are in the frame in which the robot's pose is given.
+        A disc is x, y and radius, in the frame in which the robot's pose is given.
         """
         return np.vstack([np.empty((0, 3)), *(section.discs() for section in self.sections.values())])
 
