@@ -29,7 +29,8 @@ def back_off(robot: Robot, blocked: Blocked, trace: Trace) -> Generator[None, No
 
     The base first moves straight back by `STRAIGHT_M`, then with the headings of the path on which it came,
     until its footprint has left the place. The space that body and arm swept on that path is free, and a
-    sharper turn would sweep more. The distance that the base rebounded when it was stopped counts too.
+    sharper turn would sweep more. All distances are from the place where the base was stopped, so a rebound
+    from the obstacle is part of them.
 
     Args:
         robot: robot at rest.

@@ -75,10 +75,10 @@ def reach_pose(
 ) -> Generator[None, None, None]:
     """Bring the base to a close pose; do nothing if it is there already.
 
-    The base is there if its position is within half the tolerance, and its heading within the tolerance. A
-    base that shifts as it turns, such as a skid-steer base, may not reach the pose more closely than some
-    millimetres. Therefore the tolerance widens after `EXACT_REACH_S`, up to half of the tolerance in the
-    robot's file. A car isn't moved.
+    The base is there if its position is within half of `tolerance`, and its heading within all of it. A base
+    that shifts as it turns, such as a skid-steer base, may miss the pose by some millimetres. After
+    `EXACT_REACH_S`, the tolerance is therefore widened, up to half of the one in the robot's file. A car
+    isn't moved.
 
     Args:
         robot: robot at rest near the pose.

@@ -17,7 +17,7 @@ class DrivesTo(NamedTuple):
 
 
 class SeamPart(NamedTuple):
-    """Part of a seam that is tracked from one place, or on the straight way from it."""
+    """Part of a seam, tracked while the base is at one place or drives straight on from that place."""
 
     place: str
     """Name of the base's place at the begin of the part."""

@@ -90,7 +90,7 @@ class Track(ActionPrimitive):
 
     @property
     def tracking(self) -> ToolPath | None:
-        """The part that the tool is on in this period; None before and after."""
+        """Part of the seam that the tool is tracking in this period; None before and after tracking."""
         return self._part if self._at is not None else None
 
     @override

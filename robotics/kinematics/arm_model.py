@@ -165,8 +165,8 @@ class ArmModel:
     def own_gravity_torques(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return torques or forces that carry the arm's weight if mimicking joints have drives of their own.
 
-        They are those of the arm's joints (n,) without their followers', and those of `followers` (k,), in
-        [Nm] or [N], at joints `q` (n,), in [rad] or [m].
+        The first array (n,) is for the arm's joints alone, the second (k,) for the joints that mimic them
+        (`followers`), both in [Nm] or [N], at joint angles `q` (n,) in [rad] or [m].
         """
         torques: FloatArray = pin.computeGeneralizedGravity(self._model, self._data, self.ordered(q))
         return torques[self._order], torques[self._led]

@@ -45,7 +45,7 @@ def stop(run: LatestRun = None, as_json: Json = False) -> None:
 
 
 def cancel(run: Run, as_json: Json = False, number: Number = None) -> None:
-    """Undo what the running action has changed, for which the robot moves, and then end the run."""
+    """Undo what the running action has changed, and then end the run; the robot moves to undo it."""
     _say("cancel", run, as_json, **_meant(number))
 
 

@@ -64,7 +64,7 @@ class Guard(OwnPage):
         return None
 
     def has_token(self, request: web.Request) -> bool:
-        """Return whether a request contains the token."""
+        """Return whether a request contains the console's access token."""
         kind, _, token = request.headers.get(hdrs.AUTHORIZATION, "").partition(" ")
         return kind == "Bearer" and self.knows(token)
 

@@ -167,7 +167,7 @@ class Handlers:
         return reason if isinstance(reason, web.Response) else _json({"ok": True, "reason": reason})
 
     async def lease(self, request: web.Request) -> web.Response:
-        """Take or release the right to command."""
+        """Give the right to command the runs to the browser tab that asks for it, or release that right."""
         word, tab = await _body(request), _tab(request)
         name = word.get("name")
         if not tab:

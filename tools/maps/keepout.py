@@ -22,7 +22,7 @@ def keepout(
 ) -> None:
     """Write a file of keep-out zones for a map, into which the robot must not drive.
 
-    A task uses the file by `knowledge: {keepout: FILE}`.
+    A task uses the file if its own file has the entry `knowledge: {keepout: FILE}`.
     """
     import numpy as np
 

@@ -73,7 +73,7 @@ class RunDesk:
     """Server of requests to start or resume runs, one at a time, each in a process of its own.
 
     It also acknowledges records of a run that wait for a person. The run itself decides whether the robot is
-    free, as if it was started at a terminal.
+    free, as does a run that is started at a terminal.
     """
 
     def __init__(
@@ -144,8 +144,8 @@ class RunDesk:
         return self._started(command, START_TIMEOUT_S, self._alive, f"{name} runs in")
 
     def acknowledge(self) -> Answer:
-        """Acknowledge the record of the last run that waits for a person, if its reason was published long
-        enough before.
+        """Acknowledge the record of the last run that waits for a person, if its reason was published so
+        long ago that the caller can have read it.
         """
         last, since = self._read
         if last is None or last.waits is None:
@@ -160,10 +160,10 @@ class RunDesk:
             return Answer(False, str(error))
 
     def resume(self) -> Answer:
-        """Resume the last run, if its end was published long enough before.
+        """Resume the last run, if its end was published so long ago that the caller can have read it.
 
-        The answer comes once the run continues, or was refused. The run itself decides, as `handcart resume
-        --confirm RECORD` does, so that a real robot has to be where it was left.
+        The answer comes once the run continues, or was refused. The run itself decides whether it continues,
+        as with `handcart resume --confirm RECORD`: a real robot has to be where it was left.
         """
         if busy := self._busy():
             return Answer(False, busy)

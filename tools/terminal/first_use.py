@@ -20,7 +20,7 @@ def first_words(what: str) -> Iterator[Callable[[], None]]:
     """Print a message to stderr after a second in this context, unless the yielded function is called before.
 
     A stage (`begin_stage`) that takes longer than a second is printed with its name, once. Import the
-    modules of a command in this context, which takes longer than a second on a fresh machine.
+    modules of a command in this context too: on a fresh machine, the import takes longer than a second.
     """
     waiting = _Waiting(what)
     with hearing_of_stages(waiting.begin):

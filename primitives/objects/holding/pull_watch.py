@@ -85,9 +85,7 @@ class PullWatch:
 
     @property
     def is_calm(self) -> bool:
-        """True if the mean force over `PULL_TIME_S`, in addition to that at rest, was too small for a
-        pull.
-        """
+        """True if the mean force over `PULL_TIME_S`, less the force at rest, was too small for a pull."""
         if len(self._forces) < (self._forces.maxlen or 0):
             return False
         return not float(np.linalg.norm(np.mean(self._forces, axis=0))) >= CALM_SHARE * self._least
@@ -127,8 +125,10 @@ class PullWatch:
         return None if _pushes(mean, self._robot.base_T("hand")[:3, 3]) else mean
 
     def lasts(self, pull: FloatArray) -> bool:
-        """Return whether the last reading still has most of the force of a pull along the pull (3,), in the
-        base frame, in [N].
+        """Return whether the last reading still has most of a pull's force, in the direction of the pull.
+
+        Args:
+            pull: (3,) force of the pull when it began, in the base frame, in [N].
         """
         size = float(np.linalg.norm(pull))
         return bool(self._forces) and float(self._forces[-1] @ pull) / size >= LASTING_SHARE * size

@@ -157,10 +157,10 @@ class Objects(Section):
     def measuring(
         self, robot: Robot, model: MovedKnowledge, place: str, report: Callable[..., None]
     ) -> Generator[None, None, bool] | None:
-        """Return a generator that measures a surface by lidar and moves the computed place before it.
+        """Return a generator that measures the surface of a place by lidar; the place moves with the surface.
 
-        None if the place was not computed for a surface, or if the surface is fixed, was measured before or
-        cannot be seen by the lidar.
+        None if the place was not computed as a pose of the base before a surface, or if the surface is fixed,
+        was measured before or cannot be seen by the lidar.
         """
         surface = self.objects.surfaces.get(place)
         measured = any(pose.surface == place for pose in self.surface_poses)

@@ -51,13 +51,13 @@ def detect_all(
 def explained(
     found: Sequence[Standing], detected: Sequence[DetectedObject], base_T_surface: Transform
 ) -> list[Standing]:
-    """Return the things on a surface with the kinds and poses that the detections at them give.
+    """Return the things on a surface, with kind and pose taken from the detections at the place of each.
 
     A thing without a detection keeps the kinds that fit its size. Detections of one kind in several pictures
     are fused.
 
     Args:
-        found: what was seen in the depths.
+        found: things that were seen in the depth pictures.
         detected: detections of all pictures, in the base frame.
         base_T_surface: (4, 4) of the middle of the surface's top.
     """

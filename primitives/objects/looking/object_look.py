@@ -65,7 +65,7 @@ class ObjectLook:
         return [read for read in self.reads if read.object == name]
 
     def others(self, name: str) -> str:
-        """Return the names of everything else that was read, in words; "nothing" for none."""
+        """Return in words all objects but `name`, and unknown tags, that were read; "nothing" if none."""
         found = dict.fromkeys(read.object or read.label for read in self.reads if read.object != name)
         return ", ".join(found) or "nothing"
 
@@ -195,10 +195,10 @@ def conclude(
     look: ObjectLook,
     expected: Transform | None = None,
 ) -> Located:
-    """Return the pose of an object by all pictures from one place of the base: by its tags, or else by its
-    size.
+    """Return the pose of an object, computed from all pictures that were taken from one place of the base.
 
-    The depth pictures were understood before (`ObjectLook.understand`).
+    An object with tags is found by its tags, any other by its size. `ObjectLook.understand` must have
+    evaluated the depth pictures before.
 
     Args:
         robot: the robot.

@@ -28,7 +28,7 @@ ARM_SIGMA_M, ARM_SIGMA_RAD = 1e-3, 3e-3  # of the camera's pose, from view to vi
 
 
 class ReadTag(NamedTuple):
-    """A tag that was read, known or not."""
+    """Tag that was read in a picture, whether or not a known object has this tag."""
 
     tag: Tag
     label: str
@@ -84,7 +84,7 @@ def _likelier(poses: Sequence[TagPose], base_T_camera: Transform, object_T_tag: 
 
 
 class Located(NamedTuple):
-    """An object that is upright on a surface."""
+    """Measured pose of an object that was found upright on a surface, with its accuracy."""
 
     base_T_object: Transform
     """Pose (4, 4) of the object in the base frame."""

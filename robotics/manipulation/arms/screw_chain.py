@@ -50,7 +50,7 @@ class ScrewChain(NamedTuple):
 
     @property
     def dof(self) -> int:
-        """Number of joints n."""
+        """Number n of the arm's joints."""
         return len(self.axes)
 
     @property

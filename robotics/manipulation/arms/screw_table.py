@@ -124,7 +124,7 @@ def nearest_starts(poses: FloatArray, target: FloatArray, free: int, scale: floa
     Args:
         poses: (m, 4, 4) base_T_tip.
         target: (4, 4) wanted base_T_tip.
-        free: 1 if the azimuth of the tool is free, 2 if the turn about its x axis is, 0 if none is.
+        free: 1 if the tool's azimuth is free, 2 if its turn about its own x axis is free, 0 if neither is.
         scale: distance that counts as much as a turn of one radian, in [m].
         chosen: (k,) row numbers in `poses`, written.
     """
@@ -156,7 +156,7 @@ def tool_rates(
         pose: (4, 4) base_T_tip.
         jacobian: (6, n) in the axes of the base, three rows in [m/rad], then three in [rad/rad].
         twist: (6,) motion of the tool for each metre of path, in the axes of the base, [m/m] and [rad/m].
-        free: 1 if the azimuth of the tool is free, 2 if the turn about its x axis is, 0 if none is.
+        free: 1 if the tool's azimuth is free, 2 if its turn about its own x axis is free, 0 if neither is.
         rates: (n,) in [rad/m], written.
     """
     n = len(rates)

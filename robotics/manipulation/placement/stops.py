@@ -44,7 +44,7 @@ _NO_SIGHT = "is reached only from where no landmark can be looked at"
 
 
 class Goal(NamedTuple):
-    """Task of the hand at one place, a motion of the hand and further motions that it must be able to do."""
+    """Task of the hand at one place: a motion to make, and further motions that must be possible there."""
 
     work: ToolPath
     """Motion of the hand at the goal, along which a stop is scored."""
@@ -53,7 +53,7 @@ class Goal(NamedTuple):
 
 
 class BaseStop(NamedTuple):
-    """A pose of the base, and the goals that are served from it."""
+    """A pose of the base, and the range of goals whose tasks the hand does from there."""
 
     base: FloatArray
     """(3,) map_T_base, x and y in [m], heading in [rad]."""

@@ -92,11 +92,11 @@ class PlannedView(NamedTuple):
         return base_T_hand @ self.hand_T_camera @ back @ inverse(self.hand_T_camera)
 
     def travelling_error(self, base_T_hand: Transform, camera_T_landmark: Transform) -> Transform:
-        """Return planned_T_base (4, 4), the actual base pose in the frame of the planned base: dT_M of the
-        paper.
+        """Return planned_T_base (4, 4), the actual base pose in the frame of the planned base: dT_M of
+        eq. 11 (Hatano et al., 2000).
 
-        It is computed by eq. 11 with the posture to which the hand would move next. So it includes the error
-        that is left after turning the hand to the landmark. At the planned posture this is eq. 5.
+        Eq. 11 is evaluated at the pose to which the hand would move next (`next_hand`). The result therefore
+        includes the error that is left after the hand was turned to the landmark.
 
         Args:
             base_T_hand: (4, 4) pose of the hand now.
@@ -119,12 +119,13 @@ class PlannedView(NamedTuple):
 
 
 def placing_posture(planned_T_base: Transform, planned_T_goal: Transform) -> Transform:
-    """Return base_T_goal (4, 4), the pose that the arm must reach from the actual base (eq. 7; eq. 6 for the
-    hand).
+    """Return base_T_goal (4, 4), the pose that the arm must reach from the actual base.
+
+    This is eq. 7 of Hatano et al. (2000); for a pose of the hand, it is their eq. 6.
 
     Args:
-        planned_T_base: (4, 4) actual pose of the base in the frame of the planned base: dT_M of the paper.
-        planned_T_goal: (4, 4) pose to reach, in the frame of the planned base: M0_T_B0 of the paper.
+        planned_T_base: (4, 4) actual pose of the base in the frame of the planned base, their dT_M.
+        planned_T_goal: (4, 4) pose to reach, in the frame of the planned base, their M0_T_B0.
     """
     return inverse(planned_T_base) @ planned_T_goal
 

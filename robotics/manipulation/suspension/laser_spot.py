@@ -65,16 +65,18 @@ def turned(shift: SpotShift, distance: float) -> tuple[float, float]:
 
     The wall is at right angles to the beam.
 
-    `distance` is from the laser to the wall, in [m]. As in the paper, the laser's own motion is neglected.
+    `distance` is from the laser to the wall, in [m]. The laser's own motion is neglected, as in Hatano et al.
+    (2000).
     """
     return float(np.arctan2(shift.left, distance)), float(np.arctan2(shift.up, distance))
 
 
 def fit_spots(ahead: Sequence[SpotShift], left: Sequence[SpotShift], distance: float) -> Rates:
-    """Fit the rates, by least squares, to spots of a laser that points ahead (+x) and of one that points left
+    """Fit yaw, roll and pitch rates, by least squares, to spots of lasers that point ahead (+x) and left
     (+y).
 
-    Spots of one of the lasers may be missing; the paper uses only the laser that points to the left.
+    Spots of one of the lasers may be missing. Hatano et al. (2000) use only the laser that points to the
+    left.
 
     Args:
         ahead: spots of the laser that points ahead.

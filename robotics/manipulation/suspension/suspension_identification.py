@@ -23,7 +23,7 @@ _RAY_NOISE = 6e-5  # [rad] of a corner: 0.05 px of a lens of 800 px
 
 
 class Swing(NamedTuple):
-    """A motion of the arm from a reference posture, by the poses of the hand before and after it."""
+    """A motion of the arm from a reference posture, described by the hand's poses before and after it."""
 
     base_T_hand: Transform
     """Pose of the hand by the joints, (4, 4)."""
@@ -63,9 +63,10 @@ def fit_sightings(
     """Fit a `SuspensionModel` to sightings of the landmarks on one sheet, seen from many postures of the arm.
 
     The arm's error shifts all four corners of a landmark in the picture together, and hardly changes the
-    landmark's size. Sightings are weighted accordingly, because the measured heights, by which tilt and pivot
-    are distinguished, are otherwise lost in the arm's sideways error. The pose of the sheet is fitted too,
-    with height and tilt, because at the reference posture the base is already tilted by an unknown angle.
+    landmark's size. Sightings are weighted accordingly: tilt and pivot are distinguished by the measured
+    heights, and these would otherwise be lost in the arm's sideways error. The pose of the sheet is fitted
+    too, with height and tilt, because at the reference posture the base is already tilted by an unknown
+    angle.
 
     Args:
         sightings: sightings of landmarks, each with the motion of the arm before it.

@@ -14,14 +14,14 @@ from handcart.robotics.geometry.transform import Transform, inverse, transform
 
 
 def base_motion(yaw: float, roll: float = 0.0, pitch: float = 0.0, pivot: float = 0.0) -> Transform:
-    """Return the pose (4, 4) of a turned and tilted base in the frame that it had before: dPsi · dPhi of eq.
-    12.
+    """Return the pose (4, 4) of a turned and tilted base in the frame that it had before: dPsi · dPhi of
+    Hatano et al. (2000), eq. 12.
 
     Args:
         yaw: turn about the vertical, in [rad].
         roll: tilt about the base's x axis, in [rad].
         pitch: tilt about the base's y axis, in [rad].
-        pivot: height of the point of the base's z axis around which it tilts, in [m]; the paper omits it.
+        pivot: height of the point of the base's z axis around which it tilts, in [m]; 0 in the paper.
     """
     lean = transform((0.0, 0.0, pivot)) @ transform(rpy=(roll, pitch, 0.0)) @ transform((0.0, 0.0, -pivot))
     return np.asarray(transform(rpy=(0.0, 0.0, yaw)) @ lean)
@@ -47,7 +47,7 @@ class SuspensionModel(NamedTuple):
 
     def motion(self, base_T_hand: Transform, reference: Transform, swings: float) -> Transform:
         """Return reference_T_base (4, 4), the motion of the base since the reference posture: dPsi · dPhi of
-        eq. 12.
+        Hatano et al. (2000), eq. 12.
 
         Args:
             base_T_hand: (4, 4) pose of the hand now.
@@ -58,13 +58,12 @@ class SuspensionModel(NamedTuple):
         return np.asarray(base_motion(self.yaw_per_swing * swings) @ lean)
 
     def displaced(self, base_T_hand: Transform, reference: Transform, swings: float) -> Transform:
-        """Return the true pose (4, 4) of the hand in the frame that the base had at the reference posture
-        (eq. 12).
+        """Return the true pose (4, 4) of the hand in the frame that the base had at the reference posture.
 
         Args:
             base_T_hand: (4, 4) pose of the hand by the arm's joints.
-            reference: (4, 4) base_T_hand at the reference.
-            swings: number of moves of the arm out and back since the reference.
+            reference: (4, 4) base_T_hand at the reference posture.
+            swings: number of moves of the arm out and back since the reference posture.
         """
         return self.motion(base_T_hand, reference, swings) @ base_T_hand
 

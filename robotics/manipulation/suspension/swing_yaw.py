@@ -12,7 +12,7 @@ _FEWEST = 3  # of steps between stops
 
 
 class SwingYaw(NamedTuple):
-    """Yaw of a base on springs for each swing of its arm, with its scatter."""
+    """Mean yaw by which a swing of the arm turns its base on springs, with the scatter between swings."""
 
     yaw_per_swing: float
     """Mean yaw for each move of the arm out and back, in [rad], positive to the left."""

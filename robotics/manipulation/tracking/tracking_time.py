@@ -34,7 +34,7 @@ class TimedTracking(NamedTuple):
 
 
 class TrackingLimits(NamedTuple):
-    """Limits of the arm while it tracks."""
+    """Limits of tool and joints while an arm moves its tool along a path."""
 
     speed: float
     """Maximum speed of the tool, in [m/s]."""

@@ -32,12 +32,13 @@ class _Stand(NamedTuple):
 
 
 class FootprintGuard:
-    """Check whether the area that a polygonal footprint will sweep is free of mapped and scanned obstacles.
+    """Guard that checks whether the area that a polygonal footprint will sweep is free of obstacles.
 
-    Where the lidar sees something at an occupied cell of the map, only the scan is used, because it does not
-    depend on the pose and is more exact. Other occupied cells in the lidar's field of view are taken as
-    points at their centres, cells outside it as complete squares. If an obstacle is nearer than the margin,
-    the robot may still move along it or away from it, and return to the pose at which it began (`stand_at`).
+    The obstacles are those of the map and of the lidar's scan. Where the lidar sees something at an occupied
+    cell of the map, only the scan is used, because it does not depend on the pose and is more exact. Other
+    occupied cells in the lidar's field of view are taken as points at their centres, cells outside it as
+    complete squares. If an obstacle is nearer than the margin, the robot may still move along it or away from
+    it, and return to the pose at which it began (`stand_at`).
     """
 
     def __init__(self, shape: Footprint, margin: float, grid: GridMap | None = None) -> None:

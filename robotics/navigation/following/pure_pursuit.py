@@ -16,9 +16,8 @@ SEARCH_AHEAD_M = 0.4  # [m] of path ahead in which the nearest point is looked f
 class PurePursuit:
     """Pure pursuit controller, which steers a car towards a point of the path at a fixed distance ahead.
 
-    It slows down before the end of the path.
-
-    If the path ends before that distance, the point is on a straight line along the path's last heading.
+    If less of the path is left than this distance, the point is on a straight line that continues the path
+    along its last heading. The car slows down before the end of the path.
     """
 
     def __init__(

@@ -57,10 +57,11 @@ class _Stand(NamedTuple):
 
 
 class WayGuard:
-    """Check whether the area that a disc-shaped robot will sweep is free of mapped and scanned obstacles.
+    """Guard that checks whether the area that a disc-shaped robot will sweep is free of obstacles.
 
-    If an obstacle is nearer than the needed distance, only motion away from it is allowed, and the return to
-    the pose at which the robot began (`stand_at`).
+    The obstacles are those of the map and of the lidar's scan. If an obstacle is nearer than the minimum
+    distance, only motion away from it is allowed, and the return to the pose at which the robot began
+    (`stand_at`).
     """
 
     def __init__(self, needed: float, grid: GridMap | None = None) -> None:

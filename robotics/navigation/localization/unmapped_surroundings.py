@@ -63,7 +63,7 @@ class UnmappedSurroundings:
         self, points: FloatArray, found: LayerMatch, map_error: FloatArray
     ) -> ScanMatch | None:
         """Correct a pose by the part of a scan that fits the map; return None if that part is too small or
-        contradicts it.
+        contradicts the pose.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].

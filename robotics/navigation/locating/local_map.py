@@ -54,7 +54,7 @@ class LocalMap:
         )
 
     def add(self, pose: Pose2, beams: ScanBeams) -> None:
-        """Draw a scan taken at local_T_base."""
+        """Draw a scan, taken at the pose local_T_base, into the map."""
         self._views.append(_view(pose, beams))
         self._poses.append(pose)
         self._grid = self._field = None

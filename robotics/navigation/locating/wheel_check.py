@@ -63,9 +63,9 @@ class WheelCheck:
     """Detector of wheels that do not move the base as measured, which compares each scan with two earlier
     ones.
 
-    The earlier scans are moved as the wheels have turned since. The comparison with the later of the two
-    scans shows quickly that the base is held; the comparison with the other one shows wheels that slip
-    partly.
+    Before the comparison, each earlier scan is moved by the motion that the wheels have measured since then.
+    The comparison with the later of the two scans shows quickly that the base is held; the comparison with
+    the other one shows wheels that slip partly.
 
     Attributes:
         is_doubtful: True if the last scan fits better where the base moved less than its wheels did.

@@ -20,7 +20,7 @@ Box = tuple[float, float, float, float, float]
 
 
 class BoxWalls(NamedTuple):
-    """Result of comparing the walls of a map with boxes that are known to be there."""
+    """Result of comparing the walls of a map with the boxes that are truly in the mapped world."""
 
     cells: FloatArray
     """(n,) distance of each wall cell to the nearest surface of a box, in [m]."""

@@ -79,10 +79,10 @@ def chain(
 def chain_edges(poses: Sequence[Pose2], match: LineMatch, points: int) -> list[Edge]:
     """Return the edges of the last keyframe, which was matched with several earlier keyframes at once.
 
-    Each edge leads to one of these keyframes, more of them for dense scans, and all edges share the
-    information of the match. So the error of the last pose is that of a single match, and does not add to the
-    errors of earlier matches. If only odometry measured the motion, the one edge leads to the keyframe
-    before.
+    Each edge leads to one of these keyframes; a scan with more points has more edges. The information of the
+    match is divided among the edges. The error of the last pose is therefore that of a single match, and does
+    not add to the errors of earlier matches. If only odometry measured the motion, there is a single edge, to
+    the keyframe before.
 
     Args:
         poses: poses of the keyframes in order, in one frame; that of the last one as the match found it.

@@ -41,7 +41,7 @@ class BlockedSquares(NamedTuple):
 
 
 def blocked_squares(blocked: BoolArray) -> BlockedSquares:
-    """Compute the tables for the blocked cells (h, w) of a map."""
+    """Compute tables for fast distance queries from a mask (h, w) of a map's blocked cells."""
     padded = np.pad(blocked, 1, constant_values=True)
     whole = np.int16 if len(padded) < np.iinfo(np.int16).max else np.int32
     above, below = np.empty(padded.shape, dtype=whole), np.empty(padded.shape, dtype=whole)

@@ -25,7 +25,8 @@ def boxes_near(
 ) -> list[FloorBox]:
     """Return rectangles that cover the occupied cells around a point.
 
-    Where they would be too many, as along a slanted wall, they cover blocks of two, four or more cells.
+    If more than `most` rectangles were needed, as along a slanted wall, the rectangles cover square blocks of
+    cells with sides of two, four or more cells. A block is covered if one of its cells is occupied.
 
     Args:
         grid: the map.
@@ -33,7 +34,7 @@ def boxes_near(
         reach: half the side of the square around the point, in [m].
         hidden: outlines (n, 2) on the map, in [m]; cells whose centre is inside of one are skipped.
         margin: distance around the outlines within which cells are skipped too, in [m].
-        most: number of rectangles from which on blocks of cells are covered.
+        most: maximum number of rectangles.
     """
     low, high = grid.to_cell(np.array([point]) + np.array([[-reach], [reach]]))
     low, high = np.clip([low, high + 1], 0, grid.occupied.shape)

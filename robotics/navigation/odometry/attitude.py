@@ -63,7 +63,7 @@ class Attitude:
 
     @property
     def tilt(self) -> tuple[float, float]:
-        """Roll and pitch in [rad]."""
+        """Roll and pitch of the base, in [rad]."""
         x, y, z = self._felt
         return math.atan2(y, z), wrap(math.atan2(-x, math.hypot(y, z)))
 

@@ -39,16 +39,16 @@ class BentWay(_BentSums):
 
     @classmethod
     def straight(cls) -> Self:
-        """Return sums of zero, for the beginning of a drive."""
+        """Return position errors of zero, for the beginning of a drive."""
         return cls(np.zeros((2, 2)), np.zeros((3, 3)))
 
     @cached_property
     def covariance(self) -> FloatArray:
-        """Covariance (2, 2) of x and y on the map by the second-order errors, in [m²]."""
+        """Covariance (2, 2) of x, y on the map by second-order effects of the heading's error, in [m²]."""
         return np.asarray(self.rest.T @ self.rest + self.crossed[1:, 1:])
 
     def stepped(self, x: float, y: float, variance: float, slip: float) -> Self:
-        """Return the sums after one more step of the base.
+        """Return the position errors after one more step of the base.
 
         Args:
             x: x of the base's step on the map, in [m].
@@ -64,7 +64,7 @@ class BentWay(_BentSums):
         return type(self)(rest, crossed)
 
     def corrected(self, kept: FloatArray) -> Self:
-        """Return the sums after the pose was corrected by a measurement.
+        """Return the position errors that remain after the pose was corrected by a measurement.
 
         Args:
             kept: (3, 3) matrix that maps the error of x, y on the map in [m] and heading in [rad] before the

@@ -27,9 +27,10 @@ class Belief(NamedTuple):
 
 
 class BeliefBranch(NamedTuple):
-    """One of the explanations of a sensor's reading that a filter keeps, with its probability.
+    """One possible explanation of a sensor's reading, kept by a filter, with its probability.
 
-    Each assumes another change of the filter's states just before the reading, such as slip or none.
+    Each explanation assumes a different change of the filter's states just before the reading, for example
+    slip, or no change.
     """
 
     weight: float

@@ -31,7 +31,7 @@ class WayMonitor:
         self._claimed += variance
 
     def begin(self) -> None:
-        """Discard the sums of the present window of travel, and start a new one."""
+        """Discard the sums of travel and of corrections by scans, and start a new window of travel."""
         self._missed, self._way, self._claimed, self._next = 0.0, 0.0, 0.0, TEST_EVERY_M
 
     def take(self, missed: float, map_sigma: float, scale_variance: float) -> float:

@@ -94,7 +94,7 @@ class FieldLocalizer(ABC):
 
     @property
     def parts(self) -> Sequence[Any]:
-        """Components that have a `STATE` of their own."""
+        """Components of the localizer with a `STATE` of their own, the attributes to save in a checkpoint."""
         return ()
 
     @property

@@ -92,8 +92,8 @@ class FixMonitor:
 
 
 def whitened(residual: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Return a residual (2,) divided by the lower Cholesky factor of its covariance: its covariance is then
-    1.
+    """Return a residual (2,) divided by the lower Cholesky factor of its covariance; the result has the
+    identity as covariance.
 
     Args:
         residual: (2,) residual of a fix, along x and y of the field's frame, in [m].

@@ -102,7 +102,7 @@ class GpsFilter(FieldLocalizer):
 
     @property
     def weights(self) -> FloatArray:
-        """Probabilities (k,) of the hypotheses, without unit, by all readings so far."""
+        """Probabilities (k,) of the hypotheses on the noise, given all readings so far."""
         return self._weights.copy()
 
     @property

@@ -45,7 +45,7 @@ def _badness(noise: FieldNoise) -> tuple[float, float, float]:
 
 
 def noise_hypotheses(given: FieldNoise) -> list[NoiseHypothesis]:
-    """Return the hypotheses: each GNSS condition combined with each condition of the ground.
+    """Return the hypotheses on the noise: each GNSS condition combined with each condition of the ground.
 
     The given noise model comes first, worse conditions later. In all of them the delay of fixes has a
     standard deviation of at least `MAX_FIX_DELAY_S`.

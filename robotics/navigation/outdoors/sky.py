@@ -36,7 +36,7 @@ class Sky(NamedTuple):
         variance: float,
         log_share: float,
     ) -> Sky:
-        """Return the GNSS condition after a possible change of the states, with the likelihood of a fix.
+        """Return a possible GNSS condition, with or without a change of the states, and a fix's likelihood.
 
         Args:
             transition: (13, 13) transition matrix of the change; None: no change.

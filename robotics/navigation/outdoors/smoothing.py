@@ -24,7 +24,7 @@ class _Link(NamedTuple):
 
 
 class Entries(NamedTuple):
-    """Size of a `TrackRecord` at one moment, to which it can be rewound."""
+    """Size of a `TrackRecord` at one moment, by which the record can be rewound to that moment."""
 
     starts: int
     links: int

@@ -111,7 +111,9 @@ class Replanner:
         lead: float = 0.0,
         better: bool = True,
     ) -> Generator[None, None, RouteLook]:
-        """Decide as `look` does, as a generator; a step takes about as long as building a Voronoi graph.
+        """Decide whether to keep the old route to a goal or to take a new one, as a generator.
+
+        A step of the generator takes about as long as building a Voronoi graph.
 
         Args:
             grid: the map with the sensed obstacles.

@@ -135,8 +135,8 @@ def trace(cells: IntArray, links: ByteArray, width: int) -> SkeletonTrace:
 def prune_leaves(cells: IntArray, links: ByteArray, width: int, touching: BoolArray) -> IntArray:
     """Remove the edges of a skeleton that end at an obstacle, and return the remaining cells.
 
-    Each of them leads from a junction to a leaf, an end of the skeleton, that touches an obstacle. There is
-    only one pass: an edge that becomes a leaf by this removal leads into a dead-end room, and stays.
+    Each removed edge leads from a junction to an end of the skeleton (a leaf) that touches an obstacle. There
+    is only one pass: an edge that becomes a leaf by this removal leads into a dead-end room, and stays.
 
     Args:
         cells: (n,) flat indices of the skeleton's cells.

@@ -22,9 +22,9 @@ SPACING_M = 0.03  # between points of a pass
 def straight_passes(
     grid: GridMap, shape: Footprint, points: FloatArray, spot: FloatArray
 ) -> list[FloatArray]:
-    """Return routes that lead straight through the middle of a narrow place, the longest straight one first.
+    """Return routes that lead straight through the middle of a narrow place.
 
-    Each is (k, 2) on the map, in [m].
+    Each route is (k, 2) on the map, in [m]. The route with the longest straight part is the first.
 
     Args:
         grid: the map; unknown cells count as blocked.

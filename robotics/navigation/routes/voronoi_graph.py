@@ -79,8 +79,8 @@ class EdgeTable:
 class VoronoiGraph:
     """Graph of the ways through the middle of a map's free space, on which routes are searched.
 
-    The graph covers one connected area of free cells, in which it is connected too, with one independent
-    cycle around each obstacle inside the area. Free cells are connected also over corners, blocked cells only
+    The graph covers one connected area of free cells. It is connected, and has one independent cycle around
+    each obstacle inside the area. Free cells are connected also over corners, blocked cells only
     over sides. Two free cells that share only a corner may leave too little room for the robot between the
     blocked cells there. The graph's edge then has a `BLOCKED_PRICE`, so that no route uses it.
     """

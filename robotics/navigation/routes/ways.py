@@ -136,8 +136,8 @@ class Ways:
         Args:
             goal: position on the map, in [m]; a heading is ignored.
             front: (2, 2) ends of a straight front on the map, in [m], in front of which the robot has to
-                stop. It replaces the obstacles of the map there, and the robot may be nearer to it than to
-                these.
+                stop. The front replaces the obstacles of the map there; the robot may come nearer to the
+                front than to other obstacles.
         """
         here = (goal[0], goal[1])
         if front is None:
@@ -150,8 +150,9 @@ class Ways:
         return found if found.route is not None or not found.fits else before._to(here, stands, front)
 
     def route_to(self, goal: Pose2 | tuple[float, float]) -> Route | None:
-        """Return the route to a goal, faster than `to`, but without front and reason; None if no route
-        exists.
+        """Return the route to a goal; None if no route exists.
+
+        This is faster than `to`, but gives no reason if there is no route, and accepts no front of the goal.
 
         Args:
             goal: position on the map, in [m]; a heading is ignored.

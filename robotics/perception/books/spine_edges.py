@@ -44,7 +44,7 @@ class Strips(NamedTuple):
         return Strips(self.grey[:, ::-1], self.z, last, self.m_per_px, -self.sign)
 
     def lateral(self, column: float) -> float:
-        """Return the lateral position y of a column in the shelf frame, in [m]."""
+        """Return the lateral position y in the shelf frame, in [m], of a column of the strips, in [px]."""
         return self.left + self.sign * column * self.m_per_px
 
     def above(self, height: float) -> Strips:
