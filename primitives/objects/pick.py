@@ -104,12 +104,14 @@ class Pick(ActionPrimitive):
         return name_in_world(self.object)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return a message if the object wasn't seen, or is too far away; empty otherwise."""
+        """Return a message if the object was not seen yet; an empty text otherwise."""
         seen = model.of(Objects).seen(self.object)
         return "" if seen is not None else f"{self.object} wasn't seen yet; LOOK_FOR finds it"
 
     def observe(self, robot: Robot, model: ModelView) -> Generator[None, None, Seen]:
-        """Measure the object's pose, in the base frame; empty if it isn't seen."""
+        """Measure the object's pose in the base frame; the returned mapping is empty if the object isn't
+        seen.
+        """
         objects = model.of(Objects)
         seen = objects.seen(self.object) or next(
             (item for item in self._known if item.object == self.object), None

@@ -29,8 +29,8 @@ class MotionBroken(Exception):
     Attributes:
         reason: message for people.
         measured: the deciding reading, if any.
-        check: name of the check that failed; empty if it is a method of the primitive, which the traceback
-            names.
+        check: name of the check that failed; empty if a method of the primitive failed, because the traceback
+            names the method.
         cause: kind of cause, one of those that the primitive's package declares.
     """
 

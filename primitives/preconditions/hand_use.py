@@ -19,7 +19,7 @@ class Hand(Enum):
 
 
 class HandUse(NamedTuple):
-    """Precondition and effect of a primitive on the hand."""
+    """Content of the hand that a primitive requires at its start, and the content after its Success."""
 
     before: Hand = Hand.ANY
     """Required content of the hand at the start (EMPTY, FULL or ANY)."""

@@ -58,10 +58,9 @@ class Trace:
         return begin + int(np.argmin(off))
 
     def cut_to(self, robot: Robot) -> None:
-        """Replace the base's pose by its present one in all moments after it was there, so that they are not
-        retraced.
+        """Remove the detour of the base since it was last near its present pose, so that it isn't retraced.
 
-        The moments of arm and gripper stay.
+        All moments since then get the present pose of the base. Their states of arm and gripper stay.
         """
         pose, odometry_pose = robot.pose, robot.localization.odometry_pose
         for number in range(self.nearest(odometry_pose) + 1, len(self.moments)):

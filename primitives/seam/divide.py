@@ -40,9 +40,9 @@ WAY_CHECK_SPACING_M = 0.2  # of a way between looks at whether it is free
 class Divide(ActionPrimitive):
     """Divide the rest of the seam into parts, each tracked from one reachable place of the base.
 
-    Only knowledge changes: the places get the names `place_1` and so on. A division is kept while its next
-    place can be reached. If an obstacle was sensed on the way, or the arm could not do its part, the rest
-    is divided again.
+    The robot does not move; only the model changes, in which the places get the names `place_1` and so on. A
+    division is kept while the base can reach the next of its places. The rest is divided again if an obstacle
+    was sensed on the way to that place, or if the arm could not track its part of the seam from there.
     """
 
     placements: Annotated[int, Field(ge=1, le=50)]
@@ -121,7 +121,7 @@ class Divide(ActionPrimitive):
 
 
 def seam_of(model: ModelView) -> ToolPath:
-    """Return the seam; raise `Discrepancy` if the task has none."""
+    """Return the task's seam, as a path of the tool; raise `Discrepancy` if the task has no seam."""
     work = model.of(Seam)
     if work.seam is None:
         raise Discrepancy("the task has no `seam` file", permanent=True, cause=causes.NOT_KNOWN)

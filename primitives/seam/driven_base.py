@@ -50,8 +50,9 @@ class DrivenBase:
     """Base that drives along a seam next to the tool, while the arm corrects the base's errors in each
     period.
 
-    The base leaves its way when wheels slip. The localizer measures this error once a period, and the arm
-    corrects it in the next period: "base feedback" of Shin et al. (2005), section 4.
+    When wheels slip, the base deviates from its planned straight line. The localizer measures this deviation
+    in each period, and the arm corrects it in the next period: "base feedback" of Shin et al. (2005), section
+    4.
     """
 
     def __init__(

@@ -128,7 +128,7 @@ class Track(ActionPrimitive):
     def watch(self, robot: Robot, model: ModelView) -> None:
         """Look for an obstacle in the way of the driving base.
 
-        One that is found is recorded in the model, so that the primitive DIVIDE plans the base's next poses
+        The obstacle is recorded in the model, so that the primitive DIVIDE plans the base's next poses
         around it.
 
         Raises:

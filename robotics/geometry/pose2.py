@@ -26,8 +26,8 @@ class Pose2(NamedTuple):
     theta: float
 
     def compose(self, other: Pose2) -> Pose2:
-        """Return a pose `other`, given in the frame of this pose, in the frame in which this pose is
-        given.
+        """Return a pose `other`, given in this pose's own frame, transformed to the frame in which this pose
+        is given.
         """
         cos, sin = math.cos(self.theta), math.sin(self.theta)
         return Pose2(

@@ -121,8 +121,8 @@ class ArmModel:
         return np.clip(q, self._lowest, self._highest)
 
     def nearest(self, q: FloatArray, near: FloatArray) -> FloatArray:
-        """Return a posture `q` (n,) with continuous joints in the turn nearest to `near` (n,), all in [rad]
-        or [m].
+        """Return the posture `q` (n,), with full turns added to continuous joints so that they are as near as
+        possible to `near` (n,), all in [rad] or [m].
         """
         if not self.endless.any():
             return q
@@ -284,8 +284,8 @@ class ArmModel:
         return [shape for body, shape in bodies if body.parentJoint > 0]
 
     def for_collision(self) -> tuple[pin.Model, pin.GeometryModel, pin.SE3]:
-        """Return the data of a collision checker: Pinocchio's model, a copy of the bodies, and
-        root_T_base.
+        """Return the data of a collision checker: Pinocchio's model, a copy of the bodies, and the pose of
+        the link `base` in the root link of the URDF.
         """
         return self._model, self._geometry.copy(), self._root_T_base
 

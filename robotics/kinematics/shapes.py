@@ -48,7 +48,7 @@ class Sphere:
 
 @dataclass(frozen=True, eq=False)
 class Hull:
-    """The convex hull of points: `pose` (4, 4) of the frame that the `points` (n, 3) are given in, in [m]."""
+    """The convex hull of `points` (n, 3), in [m], which are given in a frame whose pose (4, 4) is `pose`."""
 
     pose: Transform
     points: FloatArray

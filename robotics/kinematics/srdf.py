@@ -6,7 +6,7 @@ from handcart.robotics.kinematics.urdf_reading import UrdfFaults, read_xml
 
 
 def disabled_pairs(text: str) -> list[tuple[str, str]]:
-    """Return the pairs of links in `disable_collisions`, which need no check against each other.
+    """Return the pairs of links that an SRDF excludes from collision checks, by `disable_collisions`.
 
     Raises:
         UrdfFaults: the text is not an SRDF, or a pair lacks a link.

@@ -80,7 +80,7 @@ def joints_of(urdf_text: str) -> list[JointFacts]:
 
 
 def links_of(urdf_text: str) -> list[LinkFacts]:
-    """Return the links, in the file's order.
+    """Return name and mass properties of all links of a URDF, in the order of the text.
 
     Raises:
         ValueError: the text is not a URDF.
@@ -111,7 +111,7 @@ def links_with_bodies(urdf_text: str) -> list[str]:
 
 
 def meshes_of(urdf_text: str) -> list[MeshUse]:
-    """Return the meshes, in the file's order.
+    """Return each use of a mesh file by a link of a URDF, in the order of the text.
 
     Raises:
         ValueError: the text is not a URDF.

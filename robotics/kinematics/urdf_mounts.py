@@ -30,8 +30,7 @@ def joints_above(urdf_text: str, link: str) -> list[str]:
 
 
 def joints_between(urdf_text: str, link: str, other: str) -> list[str]:
-    """Return the joints that move one link against another, which are between a link and the last common
-    ancestor.
+    """Return the joints that move one link against another, from each link up to their last common ancestor.
 
     Args:
         urdf_text: a sound URDF.

@@ -116,8 +116,8 @@ def compiled_for(arguments: Arguments) -> Callable[[Function], Function]:
 def compile_early(kernel: Callable[..., Any], arguments: Arguments, module: str) -> None:
     """Declare argument types with which another process may compile a function early.
 
-    It does so if `module` has been imported. This is for functions that only some users of the function's own
-    module call.
+    The other process compiles the function only if `module` has been imported. `module` differs from the
+    function's own module if only some users of the latter call the function.
 
     Args:
         kernel: the compiled function.

@@ -20,8 +20,9 @@ FOUND_SHARE = 1e-3
 
 
 def comparison_lines(found: PolicyComparison, person_s: float) -> Iterator[str]:
-    """Yield a table of the rule and the best policy, and the decisions in which they differ, as lines of
-    text.
+    """Yield lines of text: a table of two policies, and the decisions in which the policies differ.
+
+    The two are the rule, which always takes the cheapest route, and the best policy that was found.
 
     Args:
         found: comparison of the rule and the best policy, with their prices.

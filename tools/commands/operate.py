@@ -45,13 +45,13 @@ def stop(run: LatestRun = None, as_json: Json = False) -> None:
 
 
 def cancel(run: Run, as_json: Json = False, number: Number = None) -> None:
-    """Undo what the running action has changed, and then end the run; the robot moves to undo it."""
+    """Move the robot to undo what the running action has changed, and then end the run."""
     _say("cancel", run, as_json, **_meant(number))
 
 
 def restore(run: Run, as_json: Json = False, number: Number = None) -> None:
-    """Undo what the running action has changed, for which the robot moves; the action ends in Fail, the run
-    continues.
+    """Move the robot to undo what the running action has changed; the action ends in Fail, and the run goes
+    on.
     """
     _say("restore", run, as_json, **_meant(number))
 

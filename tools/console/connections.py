@@ -26,8 +26,8 @@ class Connections:
     """Factory of a web server's connections that always has room for clients with the access token.
 
     A connection is unknown until it sends a request with the token. Any process of this machine can open
-    hundreds of unknown connections, but a STOP has to arrive nevertheless. So if there are too many of them,
-    the oldest unknown connection is closed, and never a new one.
+    hundreds of unknown connections, but a STOP has to arrive nevertheless. If there are too many connections,
+    the oldest unknown connection is therefore closed, and never a new one.
     """
 
     def __init__(self, has_token: Callable[[web.Request], bool]) -> None:

@@ -70,11 +70,11 @@ class Guard(OwnPage):
 
 
 def said(status: int, words: str) -> web.Response:
-    """Return a response that contains only a text, as its error message.
+    """Return a JSON response with a text in the field `error`.
 
     Args:
         status: HTTP status.
-        words: the text.
+        words: the text, for people.
     """
     body = {"ok": status < 400, "error": words}
     return web.json_response(body, status=status, headers=PAGE_HEADERS)

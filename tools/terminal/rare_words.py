@@ -42,7 +42,7 @@ class RareWords:
         return [f"seed {trial.seed}: {item}" for trial in self._trials for item in trial.untrue]
 
     def lines(self) -> Iterator[str]:
-        """Yield the report as lines of text for people."""
+        """Yield lines of text that report, for people, the estimated probability of the rare outcome."""
         found, count = self._found, len(self._trials)
         yield f"{self._event['outcome']}: {found.probability:.3g} of all runs, {_between(found)}"
         if found.unseen:

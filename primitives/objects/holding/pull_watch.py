@@ -96,7 +96,8 @@ class PullWatch:
         return any(float(np.linalg.norm(force)) >= self._least for force in self._forces)
 
     def lasting(self, share: float = 1.0) -> FloatArray | None:
-        """Return the mean (3,) of a force that lasts, in the base frame, in [N]; None without one.
+        """Return the mean force (3,) over `PULL_TIME_S` in the base frame, in [N]; None if no force lasts so
+        long.
 
         Args:
             share: least size of the force, as a share of the least pull.

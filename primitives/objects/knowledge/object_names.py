@@ -17,5 +17,5 @@ SpotName = Annotated[str, Field(min_length=1), Names("spots")]
 
 
 def name_in_world(name: str) -> str:
-    """Return the name under which the simulated world and its contacts know an object."""
+    """Return the name of an object's body in the simulated world and in the contacts reported there."""
     return f"object {name}"

@@ -55,7 +55,7 @@ class ObjectSighting(NamedTuple):
 
 
 class SurfacePose(NamedTuple):
-    """Surface as it was measured last by a base at rest before it."""
+    """Last measured pose of a surface, and its accuracy; the base was at rest in front of the surface."""
 
     surface: str
     pose: Pose2
@@ -65,7 +65,7 @@ class SurfacePose(NamedTuple):
 
 
 class HeldObject(NamedTuple):
-    """An object in the hand."""
+    """Object that the hand holds, with its pose in the hand frame."""
 
     object: str
     hand_T_object: Transform
@@ -74,7 +74,7 @@ class HeldObject(NamedTuple):
 
 @dataclass
 class Objects(Section):
-    """Knowledge of a robot that fetches and carries objects."""
+    """Section of a world model with the objects and surfaces of a file, and where they were seen last."""
 
     FILES: ClassVar = {"objects": ObjectsFile}
     LEARNED: ClassVar = ("sightings", "held_object", "surface_poses")
@@ -173,11 +173,11 @@ class Objects(Section):
     def measure(
         self, robot: Robot, model: MovedKnowledge, name: str, report: Callable[..., None]
     ) -> Generator[None, None, bool]:
-        """Measure the pose of a surface by lidar and note it; return whether it was seen.
+        """Measure the pose of a surface by lidar and keep it in this section; return whether it was seen.
 
         A surface that the lidar does not see keeps the pose of its file. After the measurement, distance and
-        turn between base and surface are known better than the base's pose on the map. The place that was
-        computed before the surface moves with it.
+        turn between base and surface are known better than the base's pose on the map. The base's place in
+        front of the surface, if it was computed, moves with the surface.
 
         Args:
             robot: robot before the surface.
@@ -287,7 +287,7 @@ class Objects(Section):
         return pose if now == before else now.compose(pose.relative_to(before))
 
     def without(self, name: str) -> tuple[ObjectSighting, ...]:
-        """Return the sightings of all other objects."""
+        """Return the sightings of all objects but the one named `name`."""
         return tuple(sighting for sighting in self.sightings if sighting.object != name)
 
     @override

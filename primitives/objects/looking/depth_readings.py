@@ -168,7 +168,7 @@ def contradiction(
     kind_name: str,
     kind: ObjectKind,
 ) -> str:
-    """Return in words which other thing is seen where an object's tag is; "" if the thing seen may be the
+    """Describe a thing seen at the place of an object's tag that can't be the object; "" if it may be the
     object.
 
     Args:

@@ -24,7 +24,7 @@ PLANE = [0, 1, 5]  # x, y and the turn about z among six
 
 
 class DetectedObject(NamedTuple):
-    """A detection in the base frame."""
+    """Object that a detector found in a picture, with its pose in the base frame and the pose's accuracy."""
 
     kind: str
     base_T_object: Transform

@@ -79,7 +79,7 @@ class ResolvedRate:
 
 
 def line_postures(arm: Scara, q: FloatArray, target: FloatArray) -> FloatArray | None:
-    """Return postures (n, 2), in [rad], along a straight line of the tip; None if it leaves the limits.
+    """Return postures (n, 2), in [rad], along a straight line of the tip; None if one is beyond a limit.
 
     Args:
         arm: the arm.
@@ -95,12 +95,11 @@ def line_postures(arm: Scara, q: FloatArray, target: FloatArray) -> FloatArray |
 
 
 def way_to(arm: Scara, q: FloatArray, target: FloatArray) -> list[FloatArray] | None:
-    """Return positions (2,) in the arm's plane, in [m], to lead the tip through by straight lines to a
-    target.
+    """Return waypoints (2,) of the tip to a target, in the arm's plane, in [m], joined by straight lines.
 
-    The straight line to the target is returned if it keeps the joint limits. Otherwise the positions are
-    those of a motion at constant joint rates, which swings around the shoulder. None if the target is out of
-    reach.
+    The target is the only waypoint if the straight line to it keeps the joint limits. Otherwise the waypoints
+    are on the path of a motion at constant joint rates, which swings around the shoulder. None if the target
+    is out of reach.
 
     Args:
         arm: the arm.

@@ -49,20 +49,20 @@ class DoorJoint(NamedTuple):
     def displaced(self, opening: float) -> Transform:
         """Return the rigid displacement (4, 4) of the door from closed to an opening, in [rad] or [m].
 
-        It is given in the frame of `closed`: for any part of the door, displacement @ (pose with the door
-        closed) is the pose at the opening.
+        It is given in the same frame as `closed`: for any part of the door, displacement @ (pose with the
+        door closed) is the pose at the opening.
         """
         return np.asarray(self.closed @ self._moved(opening) @ inverse(self.closed))
 
     def handle_at(self, opening: float) -> Transform:
-        """Return the pose (4, 4) of the handle, in the frame of `closed`, at an opening in [rad] or [m]."""
+        """Return the handle's pose (4, 4) at an opening in [rad] or [m], in the same frame as `closed`."""
         return np.asarray(self.displaced(opening) @ self.closed)
 
     def opening_at(self, point: FloatArray) -> float:
         """Return the opening, in [rad] or [m], at which the handle is nearest to a point.
 
         Args:
-            point: (3,) in the frame of `closed`, in [m].
+            point: (3,) in the frame in which `closed` is given, in [m].
         """
         x, y, _ = (inverse(self.closed) @ np.append(point, 1.0))[:3].tolist()
         if self.hinge is None:

@@ -79,7 +79,7 @@ class CollisionModel:
         return len(self._bodies.collisionPairs)
 
     def in_collision(self, q: FloatArray) -> bool:
-        """Return True if any pair is closer than the margin at joint angles `q` (n,), in [rad] or [m]."""
+        """Return True if two bodies are closer than the margin at joint angles `q` (n,), in [rad] or [m]."""
         angles = self.arm.ordered(q)
         found: bool = pin.computeCollisions(self._model, self._model_data, self._tree, angles, True)
         return found

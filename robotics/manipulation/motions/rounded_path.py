@@ -34,7 +34,7 @@ class RoundedPath:
 
     @property
     def dof(self) -> int:
-        """Number of joints n."""
+        """Number n of joints."""
         return int(self._start.shape[1])
 
     @property

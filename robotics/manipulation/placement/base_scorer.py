@@ -189,8 +189,8 @@ class BaseScorer:
         return float(self._screw_arm.chain.reach + np.hypot(*self._screw_arm.chain.points[0, :2]))
 
     def followed(self, base: FloatArray, path: ToolPath) -> FloatArray:
-        """Return joint angles (p, n), in [rad], along a path, and check that small errors of the base's pose
-        are allowed.
+        """Return joint angles (p, n), in [rad], along a path; check that the arm also reaches the path if the
+        base is slightly beside its pose.
 
         Args:
             base: (3,) world_T_base: x, y in [m], heading in [rad].

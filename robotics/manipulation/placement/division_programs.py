@@ -16,11 +16,11 @@ from handcart.robotics.numerics.compiled import compiled, compiled_for
 def layers(
     values: SingleArray, usable: BoolArray, joined: BoolArray, steps: FloatArray, count: int
 ) -> IntArray:
-    """Return the placements of the division with the greatest integral of the score, one for each step,
-    as (p-1,) columns of `values`.
+    """Return each step's placement in the division with the greatest integral of the score.
 
-    A step leads from a point of the path to the next, and is tracked from one base pose, its placement. At
-    least one division into `count` placements must exist (see `fewest_placements`).
+    The result (p-1,) holds column numbers of `values`. A step leads from a point of the path to the next, and
+    is tracked from one base pose, its placement. At least one division into `count` placements must exist
+    (see `fewest_placements`).
 
     Args:
         values: (p, b) scores of points from placements, from 0 to 1.

@@ -157,7 +157,7 @@ def _division(placements: IntArray, scores: PlacementScores, lengths: FloatArray
 
 
 def score_segments(segments: Sequence[PathSegment], values: SingleArray, steps: FloatArray) -> Division:
-    """Return the division into the given segments, with its integral in [m].
+    """Return the division into the given segments, with the integral of the score along them, in [m].
 
     Args:
         segments: parts of the path, in order.

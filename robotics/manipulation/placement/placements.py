@@ -34,5 +34,5 @@ class Placements(NamedTuple):
 
     @property
     def score(self) -> float:
-        """Score of the complete path, in [m]."""
+        """Integral of the score along the complete path, in [m]."""
         return sum(self.scores)

@@ -84,7 +84,7 @@ class StopTable(NamedTuple):
 
 
 class StopPlacer:
-    """Search for poses of the base, called stops, from which the arm serves goals in their order.
+    """Planner of base poses, called stops, from which the arm does its tasks at given goals, in their order.
 
     Each stop serves one or several successive goals.
 

@@ -15,7 +15,7 @@ from handcart.robotics.geometry.transform import Transform, inverse
 
 
 class StopRule(NamedTuple):
-    """Tolerances within which a landmark counts as seen where it was planned (eq. 13)."""
+    """Tolerances within which a landmark counts as seen where planned (Hatano et al., 2000, eq. 13)."""
 
     position: float = 0.0005
     """Tolerance eps1 of x and of y in the camera frame, in [m]."""
@@ -53,8 +53,8 @@ class PlannedView(NamedTuple):
     """View of a landmark as planned, from a base at its planned pose (relation A of Hatano et al., 2000).
 
     Frames of the paper: M0 is the planned base and M the actual base, 6 the hand, C the camera, P0 the
-    landmark, W the world; 60 and C0 are hand and camera as planned. These are its corrected equations, which
-    are independent of the pose in the world:
+    landmark, W the world; 60 and C0 are hand and camera as planned. The paper's equations, with errors
+    corrected, do not depend on the pose in the world:
 
         (4)   dT_C = C0_T_P0 · C_T_P0⁻¹                                     `camera_error`
         (9)   W_T_M0 · M0_T_60 · 60_T_C0 · dT_C = W_T_M · M_T_60 · 60_T_C0  follows from (1), (2) and (4)
@@ -105,12 +105,12 @@ class PlannedView(NamedTuple):
         return self.travelling_error_by_posture(self.next_hand(base_T_hand, camera_T_landmark))
 
     def travelling_error_by_posture(self, base_T_hand: Transform) -> Transform:
-        """Return planned_T_base (4, 4), the actual base pose in the frame of the planned base, by the last
-        posture.
+        """Return planned_T_base (4, 4), the actual base pose in the frame of the planned base, by the final
+        pose of the hand.
 
-        It is computed by eq. 11 as in the paper, which assumes that no error is left after the hand was
-        turned to the landmark. A turn of the base by less than the angle of the `StopRule` is therefore
-        missed; 0.1 rad would displace a block by 20 mm.
+        Eq. 11 of Hatano et al. (2000) is used as in their paper, which assumes that no error is left after
+        the hand was turned to the landmark. A turn of the base by less than the angle of the `StopRule` is
+        therefore missed; 0.1 rad would displace a block by 20 mm.
 
         Args:
             base_T_hand: (4, 4) final pose of the hand in the base frame.
@@ -143,10 +143,10 @@ def split_goal(world_T_goal: Transform, world_T_base: Transform) -> Transform:
 def on_floor(planned_T_base: Transform) -> Pose2:
     """Return the part of a base's pose error that driving can correct: x, y in [m] and heading in [rad].
 
-    Both poses are in the frame of the planned base.
+    The result is in the frame of the planned base.
 
     Args:
-        planned_T_base: (4, 4) actual pose of the base.
+        planned_T_base: (4, 4) actual pose of the base in the frame of the planned base.
     """
     turn = planned_T_base[:3, :3]
     heading = math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1])

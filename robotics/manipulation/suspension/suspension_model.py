@@ -72,8 +72,8 @@ class SuspensionModel(NamedTuple):
 
         Args:
             base_T_goal: (4, 4) pose of the goal in the frame that the base had at the reference posture.
-            reference: (4, 4) base_T_hand at the reference.
-            swings: number of moves of the arm out and back since the reference.
+            reference: (4, 4) base_T_hand at the reference posture.
+            swings: number of moves of the arm out and back since the reference posture.
         """
         command = base_T_goal
         for _ in range(_REFINEMENTS):

@@ -85,7 +85,7 @@ class BlockedMotion:
         self._in_a_row = 0
 
     def clear(self) -> None:
-        """Forget what was commanded so far."""
+        """Discard all motion that was recorded so far."""
         self._periods.clear()
         self._in_a_row = 0
 

@@ -46,7 +46,7 @@ class BlockedWheels:
         self._sides = {side: BlockedMotion(period, CONFIRMING_PERIODS) for side in ("left", "right")}
 
     def clear(self) -> None:
-        """Forget what was commanded so far."""
+        """Discard all motion that was recorded so far."""
         for side in self._sides.values():
             side.clear()
 

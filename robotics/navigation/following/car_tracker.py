@@ -94,7 +94,7 @@ class CarTracker:
         return leg.points[len(leg.points) - 1 - left :]
 
     def finished(self, pose: Pose2) -> bool:
-        """Return True if the car is at rest at the end."""
+        """Return True if the car is at rest at the end of its path."""
         return self._at >= len(self._legs)
 
     def command(self, pose: Pose2, dt: float) -> tuple[float, float]:

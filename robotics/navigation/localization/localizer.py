@@ -81,7 +81,7 @@ class Localizer(ABC):
 
     @property
     def covariance(self) -> FloatArray:
-        """(3, 3) of x, y in [m] and heading in [rad], in the map frame."""
+        """Covariance (3, 3) of the pose's x, y in [m] and heading in [rad], in the map frame."""
         return self._odometry.covariance
 
     def predict(self, left: float, right: float, sideways: float = 0.0) -> None:
@@ -336,7 +336,7 @@ class ScanLocalizer(Localizer):
             self._odometry.doubt_scale(wrong)
 
     def find_again(self, points: FloatArray) -> bool:
-        """Search for a base that was moved by up to about 0.3 m and 10 degrees; return whether it was found.
+        """Search the pose of a base that was moved by up to about 0.3 m and 10 degrees; return True if found.
 
         Args:
             points: (n, 2) end points of a scan in the base frame, in [m].

@@ -82,7 +82,8 @@ class PositioningLocalizer(Localizer):
         return False
 
     def take(self, number: int, measured: Pose2, periods: int) -> bool:
-        """Correct the pose by a reading; return True if the base was moved, by this and earlier readings.
+        """Correct the pose by a reading; return True if this and earlier readings show that the base was
+        moved.
 
         If it was moved, the pose is set to the reading. A single reading far from the expected pose is
         ignored.

@@ -32,7 +32,7 @@ MAX_HYPOTHESES = 120
 
 
 class Look(NamedTuple):
-    """A scan taken at rest, with its pose."""
+    """A scan taken at rest, with the base's pose at that time and the weight of the scan."""
 
     beams: ScanBeams
     pose: Pose2
@@ -98,7 +98,7 @@ class Hypotheses:
 
     @property
     def margin(self) -> float:
-        """Natural logarithm of the odds of the best hypothesis against the second; infinite without one."""
+        """Logarithm of the odds of the best hypothesis against the second; infinite if there is no second."""
         likely = self.log_likelihoods
         return float(likely[0] - likely[1]) if len(likely) > 1 else math.inf
 

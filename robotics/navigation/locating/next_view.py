@@ -45,7 +45,7 @@ class View(NamedTuple):
 
 
 class Surroundings(NamedTuple):
-    """Sensed ground around the base."""
+    """Ground sensed around the base, in which a place for another scan is searched."""
 
     seen: GridMap
     """Map in the local frame; ground that was not seen is unknown."""

@@ -47,8 +47,8 @@ class ScanJump:
 
     @property
     def is_doubtful(self) -> bool:
-        """True if the last scan disagrees with the earlier one, but too few scans did to show that the base
-        was lifted.
+        """True if the last scan disagrees with the earlier one, but a lifted base is not confirmed yet by
+        enough such scans.
         """
         return self._changes > 0
 

@@ -46,11 +46,11 @@ def surface_distances(points: FloatArray, boxes: Sequence[Box]) -> FloatArray:
 
 
 def compare_with_boxes(grid: GridMap, boxes: Sequence[Box], map_T_boxes: Pose2) -> BoxWalls:
-    """Compare the walls of a map with boxes.
+    """Compare the walls of a map with the boxes that are truly in the mapped world.
 
     Args:
         grid: the map.
-        boxes: solids that are truly there, such as those of the simulated world.
+        boxes: solids of the mapped world, for example of a simulated one.
         map_T_boxes: pose of the boxes' frame on the map.
     """
     from scipy.spatial import cKDTree

@@ -52,15 +52,15 @@ def odometry_information(moved: Pose2) -> FloatArray:
 def chain(
     keyframes: Sequence[Keyframe], heard: Callable[[float], None] = lambda share: None
 ) -> tuple[list[Pose2], list[Edge], int]:
-    """Match each keyframe with those before it; return all poses, the edges between neighbours, and a number.
-
-    The number is that of motions for which the scans did not fit, so that only odometry measured them.
-
-    Poses are in the base frame of the first keyframe.
+    """Match each keyframe with those before it.
 
     Args:
         keyframes: keyframes in order of time.
         heard: receives the finished share, 0 to 1.
+
+    Returns:
+        Poses of all keyframes in the base frame of the first one; edges between neighbours; number of motions
+        that only odometry measured, because the scans did not fit.
     """
     poses, edges, blind = [Pose2(0.0, 0.0, 0.0)], list[Edge](), 0
     for number in range(1, len(keyframes)):
@@ -127,12 +127,12 @@ def matched_motion(reference: Surface, surface: Surface, moved: Pose2) -> LineMa
 
 
 def submap(keyframes: Sequence[Keyframe], poses: Sequence[Pose2], frame: Pose2) -> Surface:
-    """Return the surfaces of keyframes in the frame of one pose.
+    """Return the surfaces of all given keyframes together, in the frame of a pose.
 
     Args:
         keyframes: the keyframes.
         poses: pose of each keyframe, in any one frame.
-        frame: pose whose frame is wanted, in the same frame.
+        frame: the pose, given like `poses`, in whose frame the surfaces are returned.
     """
     return merge_surfaces(
         [

@@ -71,7 +71,7 @@ def keyframe_rows(log: ScanLog) -> list[int]:
 
 
 def keyframe(log: ScanLog, row: int) -> Keyframe:
-    """Return one row of a log as a keyframe."""
+    """Return scan and odometry of one row of a log as a keyframe, a node of the map's pose graph."""
     odometry = Pose2(*log.odometry[row])
     return keyframe_of(row, odometry, (log.angles, log.ranges[row]), log.mount, log.reach)
 

@@ -254,7 +254,7 @@ def path_clearance(squares: BlockedSquares, path: FloatArray) -> FloatArray:
     """Return for each point of a path the least distance to blocked squares on the segments that end at the
     point.
 
-    So the distance is also valid for all points between this point and its neighbours.
+    Everywhere on the segments to its neighbours, the path has at least this distance.
 
     Args:
         squares: blocked squares of the map.

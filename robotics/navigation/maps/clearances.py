@@ -14,7 +14,7 @@ from handcart.robotics.numerics.compiled import compiled
 
 
 class Nearest(NamedTuple):
-    """The nearest solid cell to a point."""
+    """Solid cell that is nearest to a given point, with its distance."""
 
     distance: float
     """Distance to the cell's square in [m]; 0 inside of the cell, inf if the map is empty."""
@@ -53,7 +53,7 @@ class Clearances:
             self.between_centres = np.asarray(away, dtype=np.float32)
 
     def nearest(self, point: tuple[float, float]) -> Nearest:
-        """Return the nearest solid cell to a point (x, y) on the map, in [m]."""
+        """Return distance and place of the solid cell nearest to a point (x, y on the map, in [m])."""
         if self.empty:
             return Nearest(math.inf, np.full(2, np.nan))
         x, y = self._scaled(np.array([point[:2]]))[0].tolist()

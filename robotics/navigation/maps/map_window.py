@@ -15,7 +15,7 @@ def window_around(grid: GridMap, x: float, y: float, half: float) -> GridMap:
         grid: the map.
         x: x of the square's centre on the map, in [m].
         y: y of the square's centre on the map, in [m].
-        half: half of its side, in [m].
+        half: half of the square's side, in [m].
     """
     corners = grid.to_cell(np.array([[x - half, y - half], [x + half, y + half]]))
     low = np.clip(corners[0], 0, np.array(grid.occupied.shape) - 1)

@@ -98,7 +98,7 @@ class Odometry:
 
     @property
     def covariance(self) -> FloatArray:
-        """(3, 3) of x, y in [m] and heading in [rad], in the map frame."""
+        """Covariance (3, 3) of the pose's x, y in [m] and heading in [rad], in the map frame."""
         return self._state[:3, :3].copy()
 
     def set_origin(self) -> None:

@@ -135,7 +135,9 @@ class FieldKalman:
 
     @property
     def relative_pose(self) -> Belief:
-        """origin_T_base: mean (3,) of x, y in [m] and heading in [rad], not wrapped; covariance (3, 3)."""
+        """Motion origin_T_base, with mean (3,), x, y in [m] and unwrapped heading in [rad], and covariance
+        (3, 3).
+        """
         if self._origin is None:
             raise ValueError("no origin was set")
         return self._origin.relative_pose(self.belief)

@@ -69,7 +69,7 @@ class FieldLocalizer(ABC):
 
     @property
     def tilt(self) -> tuple[float, float]:
-        """Roll and pitch in [rad]."""
+        """Roll and pitch of the base, in [rad]."""
         return self._odometry.tilt
 
     @property

@@ -20,7 +20,7 @@ class FilterRequest(Enum):
 
 
 class FilterMoment(NamedTuple):
-    """State of the filter before a fix, to which it can be reset."""
+    """Stored state of a filter as it was before a fix, from which the filter can be restored."""
 
     belief: Belief
     rested: bool

@@ -127,9 +127,10 @@ class GpsFilter(FieldLocalizer):
 
     @property
     def meanwhile(self) -> Belief | None:
-        """Mean (3,) and covariance (3, 3) of the mixture of all headings; None once the heading is known.
+        """Mean (3,) and covariance (3, 3) of the pose while its heading is unknown; None once it is known.
 
-        x, y in the field's frame in [m], heading in [rad].
+        They are those of a mixture of filters for all headings: x, y in the field's frame in [m], heading in
+        [rad].
         """
         if not self._searching:
             return None

@@ -21,7 +21,7 @@ GROUND_SHARES = (
 
 
 class NoiseHypothesis(NamedTuple):
-    """Hypothesis that the real noise of GNSS and ground is that of another noise model than the given one."""
+    """Hypothesis on the noise of fixes and wheels, with a noise model that may differ from the given one."""
 
     noise: FieldNoise
     share: float

@@ -93,7 +93,7 @@ def in_sight(
 ) -> IntArray:
     """Return the cells of a Voronoi graph that can be reached from a given cell by a straight line.
 
-    There is one for each of the nearest few edges.
+    One cell is returned for each of the few edges nearest to the given cell.
 
     Args:
         squares: blocked squares of the map.

@@ -23,9 +23,7 @@ LEAVING_M = 0.35  # at both ends, where the polygon may have less room
 
 
 class RouteSettings(NamedTuple):
-    """Settings for planning a route, room beside the robot, tolerance of start and goal, and rounding of
-    corners.
-    """
+    """Settings of a route planner, with the clearance to keep and the rounding of corners."""
 
     room: float
     """Room beside the footprint, in [m]."""

@@ -22,9 +22,9 @@ def swept_room(
     """Return the least room (n,), in [m], between a polygonal robot and blocked cells as it drives along a
     route.
 
-    There is one value for each point of the route, which includes the turn there. A blocked cell is taken as
-    a disc of the cell's size. The room is negative where the robot would overlap a cell, and at most
-    `MAX_ROOM_M`.
+    There is one value for each point of the route; it includes the room for the turn at the point. A blocked
+    cell is taken as a disc of the cell's size. The room is negative where the robot would overlap a cell, and
+    at most `MAX_ROOM_M`.
 
     Args:
         grid: the map; unknown cells and everything beyond the map count as blocked.

@@ -160,8 +160,9 @@ class Ways:
         return finish(self.routing_to(goal))
 
     def routing_to(self, goal: Pose2 | tuple[float, float]) -> Generator[None, None, Route | None]:
-        """Return the route of `route_to`, as a generator; a step takes about as long as building a Voronoi
-        graph.
+        """Return a route to a goal or None, like `route_to`, but as a generator that computes in steps.
+
+        A step takes about as long as building a Voronoi graph.
         """
         there = (goal[0], goal[1])
         if not self._shape.is_disc:

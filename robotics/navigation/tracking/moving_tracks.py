@@ -85,7 +85,7 @@ class _Body:
 
 
 class TrackedScan(NamedTuple):
-    """Result of tracking a scan, its points on moving bodies and the ground that moving bodies have left."""
+    """Result of tracking, with a scan's points on moving bodies and the ground that such bodies have left."""
 
     moving: BoolArray
     """Mask (n,) of the points on people and carts that move, or rested for less than `STOOD_S`."""

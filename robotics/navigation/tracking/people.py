@@ -20,7 +20,7 @@ CLEAR_OF_ROBOT_M = 0.1  # beside the footprint, where no person is drawn: the wa
 
 
 class People(NamedTuple):
-    """People and carts at one instant."""
+    """Positions, velocities and sizes of p people and carts at one instant."""
 
     positions: FloatArray
     """(p, 2) on the map, in [m]."""

@@ -24,9 +24,7 @@ _LEAST_AWAY = 1.5  # [px] from an edge to the next one that is nothing of its ow
 
 
 class Steps(NamedTuple):
-    """Steps fitted to grey profiles across edges, position and height of the first decrease of grey in each
-    profile.
-    """
+    """Result of fitting a step, the first decrease of grey, to each of k grey profiles across edges."""
 
     at: FloatArray
     """Position (k,) of each step outwards from the assumed edge, in [px]."""

@@ -26,7 +26,7 @@ class CallNumber:
 
     @property
     def place(self) -> tuple[str, str, str]:
-        """Key of order and equality. Zeros at the end of a decimal fraction are ignored."""
+        """Key by which call numbers are compared and sorted, without zeros at the end of the decimals."""
         return self.dewey, self.decimals.rstrip("0"), self.letters
 
     def __eq__(self, other: object) -> bool:

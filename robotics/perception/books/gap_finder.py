@@ -65,8 +65,8 @@ def find_gap(
 
     The right place is the one that leaves most books in order. Books to its left are in order if they are in
     a longest non-decreasing subsequence of the call numbers not above `call_number`, and books to its right
-    likewise with those not below. A misplaced book is in no such subsequence. An unread book may be anywhere;
-    but directly next to the slot it might belong on the slot's other side, so there is no slot then.
+    likewise with those not below. A misplaced book is in no such subsequence. An unread book may be anywhere,
+    except directly next to the slot: there it might belong on the slot's other side, and no slot is returned.
 
     Args:
         reading: books and gaps of the shelf.

@@ -32,7 +32,7 @@ class CalibrationBoard(ABC):
 
     @property
     def size(self) -> tuple[float, float]:
-        """Width and height in [m]."""
+        """Width and height of the printed board, in [m]."""
         return float(self._size[0]), float(self._size[1])
 
     def draw(self, m_per_px: float = 1.25e-4) -> ByteArray:

@@ -78,7 +78,7 @@ class MarkAssignment(NamedTuple):
     """Log-likelihood of the assignment, up to a constant for all explanations of the same sightings."""
 
     def rivals(self, other: MarkAssignment) -> bool:
-        """Return True if the base's pose in another assignment differs by more than 20 mm or 0.05 rad."""
+        """Return True if another assignment gives a base pose that differs by more than 20 mm or 0.05 rad."""
         one, two = self.planned_T_base, other.planned_T_base
         return one.distance(two) > APART or one.turn(two) > APART_TURN
 

@@ -18,7 +18,7 @@ PLANE_ROUNDS = 3
 
 
 class DepthView(NamedTuple):
-    """Points of one depth picture."""
+    """Points of one depth picture in the base frame, with the camera's place."""
 
     points: FloatArray
     """(n, 3) in the base frame, in [m]."""
