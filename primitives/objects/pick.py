@@ -71,9 +71,10 @@ GRAVITY_M_S2 = 9.81
 class Pick(ActionPrimitive):
     """Take an object that was seen before; keep it upright if its kind demands that.
 
-    A close look comes first. Grasps are ranked by clearance: free ones, straight ones from above first. The
-    hand goes straight to the object and stops at a resistance; the fingers close, and their opening has to
-    be the object's width. The object is lifted and weighed; a picture shows that it has left its place.
+    A close look comes first. Of the grasps that touch nothing else, those with more clearance, and those
+    straight from above, are preferred. The hand goes straight to the object and stops at a resistance; the
+    fingers close, and their opening has to be the object's width. The object is lifted and weighed; a picture
+    shows that it has left its place.
     """
 
     object: ObjectName

@@ -25,7 +25,7 @@ FINAL_SPEED_M_S = 0.1  # straight on, in the end
 
 
 def car_retrace(robot: Robot, start: Snapshot, trace: Trace) -> Generator[None, None, None]:
-    """Bring a car back to the snapshot the way it came, arm and gripper on the same time line.
+    """Bring a car back to the snapshot along the path on which it came, and arm and gripper with it.
 
     The car is steered by `Localization.odometry_pose`, because this pose does not jump and is the best
     estimate over the length of an action. Whether the car came back is measured afterwards.
@@ -58,8 +58,9 @@ def _straight_to(robot: Robot, start: Snapshot) -> Generator[None, None, None]:
 
 
 def check_stands(robot: Robot, goal: Pose2) -> None:
-    """Raise `Discrepancy` if a car is further from a pose than its tolerance; a car cannot move sideways to
-    it.
+    """Raise `Discrepancy` if a car is not at a pose within the tolerance of the robot's file.
+
+    No motion is tried, because a car cannot move sideways.
     """
     off, most = robot.pose.distance(goal), robot.spec.tolerance.base_mm / 1e3
     if off > most or math.degrees(robot.pose.turn(goal)) > robot.spec.tolerance.base_deg:

@@ -120,8 +120,8 @@ def _widened(robot: Robot, tolerance: PoseTolerance, passed: float) -> PoseToler
 def reach_again(robot: Robot, start: Snapshot, model: WorldModel, room: float) -> Generator[None, None, None]:
     """Bring the base to the snapshot once more, from close by.
 
-    A car waits until its displacement from the snapshot is known to `room`, in [m]. If the displacement is
-    larger than `room`, the car is shunted.
+    A car waits until its displacement from the snapshot is known with an error below `room`, in [m]. If the
+    displacement is larger than `room`, the car is shunted.
     """
     if robot.spec.drive.kind != "ackermann":
         yield from reach_pose(robot, start.pose)

@@ -18,7 +18,7 @@ from handcart.robotics.manipulation.paths.tool_path import ToolPath
 
 @dataclass
 class Seam(Section):
-    """Knowledge of a robot that tracks a seam."""
+    """Section of a world model with a seam, its work piece and the progress of tracking it."""
 
     LEARNED: ClassVar = ("seam_work",)
 

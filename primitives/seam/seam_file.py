@@ -27,7 +27,8 @@ def load_seam(path: Path | str) -> ToolPath:
     Point i of the path is in line i + 2.
 
     Raises:
-        FileError: the file is not a seam, or the first bad point: NaN, a repeated position, a jump.
+        FileError: the file is not a seam, or a point is bad (NaN, a repeated position, a jump); the error
+            names the first bad point.
     """
     file = str(path)
     lines = read_csv(path, MAX_SEAM_POINTS)

@@ -16,7 +16,7 @@ FREE_TURNS = {"nothing": FreeTurn.NONE, "azimuth": FreeTurn.VERTICAL, "roll": Fr
 
 
 def work_of(spec: RobotFile, speed: float | None = None) -> Work:
-    """Return what the robot's tool has to keep while it works: speed, force and free directions.
+    """Return speed, force, free turn and tolerance with which the robot's tool works along a path.
 
     Args:
         spec: robot's file, with the tool.

@@ -9,10 +9,11 @@ if TYPE_CHECKING:
 
 
 def belief_facts(network: ActionNetwork) -> tuple[dict[str, Any], list[str]]:
-    """Return facts on how certain a task's policy is the best at its start, as fields and as lines of text.
+    """Return facts, as fields and as lines of text, on how probably a task's policy is better than the rule.
 
-    They are computed from the task's beliefs about probabilities. Both are empty for a task without beliefs,
-    and for a task that starts at its goal.
+    The probability is that at the task's start, by the task's beliefs about the probabilities of outcomes.
+    The rule is the policy that takes the cheapest route. Fields and lines are empty for a task without
+    beliefs, and for a task that starts at its goal.
     """
     from handcart.networks.deciding.planners import planner_of
 

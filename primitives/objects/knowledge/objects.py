@@ -233,9 +233,9 @@ class Objects(Section):
         return surface if measured is None else surface.moved_to(measured)
 
     def walls_near(self, point: Pose2) -> list[Box]:
-        """Return bodies of what the map shows around a point beside the surfaces, posed on the map.
+        """Return boxes, posed on the map, for the map's obstacles around a point, without the surfaces.
 
-        The map doesn't show how high it is: the bodies are higher than an arm reaches.
+        The map doesn't show how high obstacles are: the boxes are higher than an arm reaches.
         """
         if self.shown is None:
             return []

@@ -58,9 +58,9 @@ def standing_place(
 ) -> Place:
     """Return the place of the base from which the arm reaches, and the camera sees, all work on a surface.
 
-    At the place the base faces one side of the surface. Places near the work are tried first. Among the first
-    ones from which everything is reached, the one is returned at which the hand can reach down to the objects
-    in most headings, because an object may have any heading.
+    At the place the base faces one side of the surface. Places near the work are tried first. Some places
+    from which everything is reached are compared: the best one lets the hand reach down to the objects in the
+    most headings, because an object may have any heading.
 
     Args:
         robot: robot with an arm.
@@ -129,15 +129,15 @@ def followed_place(
 ) -> Place:
     """Return the place of the base for a surface that was measured elsewhere than its file says.
 
-    It is the earlier place moved with the surface, or a little further from it. If the base has no room
-    there, the earlier place is returned.
+    It is the earlier place moved with the surface, or a place a little further from the surface. If the base
+    has no room there, the earlier place is returned.
 
     Args:
         robot: robot with an arm.
         grid: the map with the surface where it is now, and with what was sensed.
         before: the surface where its file says.
         now: the surface where it is.
-        stand: computed place before the surface where it was.
+        stand: computed place of the base in front of the surface `before`.
         places: other known places; a route must lead from one of them.
     """
     if not has_moved(before, now):

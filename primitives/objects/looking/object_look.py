@@ -52,7 +52,7 @@ MAX_OFF_SURFACE_M = 0.02  # that the middle of a foot may be beyond an edge
 
 @dataclass
 class ObjectLook:
-    """Readings of tags, depth pictures and detections, all from one place of the base."""
+    """Tags, depth pictures and detections from which objects are located, all from one place of the base."""
 
     reads: list[ReadTag] = field(default_factory=list)
     depths: list[DepthView] = field(default_factory=list)
@@ -318,13 +318,13 @@ def sighting(robot: Robot, model: ModelView, name: str, surface: str, found: Loc
 
 
 def require_determined(model: ModelView, name: str, seen: ObjectSighting, need: PoseNeed) -> None:
-    """Raise `Discrepancy` if the pictures do not give an object's pose accurately enough.
+    """Raise `Discrepancy` if the measured pose of an object is less accurate than required.
 
     Args:
         model: knows the objects.
         name: name of the object.
-        seen: where it was seen.
-        need: required accuracy of its pose; the heading of a round object does not count.
+        seen: where the object was seen, with the covariance of its pose.
+        need: required accuracy of the pose; the heading of a round object does not count.
     """
     if model.of(Objects).objects.kind_of(name).is_round:
         need = need._replace(heading=math.inf)

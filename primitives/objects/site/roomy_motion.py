@@ -39,10 +39,11 @@ def rooms(robot: Robot, model: ModelView) -> tuple[float, ...]:
 
 
 def surroundings_to_try(robot: Robot, model: ModelView, without: str = "") -> list[tuple[Solid, ...]]:
-    """Return the surroundings of the robot, those first that keep the arm farthest from walls.
+    """Return models of the surroundings to plan in, those first that keep the arm farthest from walls.
 
-    In the first ones, what the map shows beside the surfaces is a wall of any height, because the map doesn't
-    show how high it is. The last ones are `surroundings` without any room.
+    The first models also contain walls for the map's obstacles outside the surfaces, higher than the arm
+    reaches, because the map doesn't show how high obstacles are. The last one is `surroundings` without any
+    additional room.
 
     Args:
         robot: robot at the surfaces.

@@ -15,7 +15,7 @@ CHECK_STEP_M = 0.005  # [m] between postures that are looked at before a line is
 
 
 class RateLimits(NamedTuple):
-    """Limits of tip and joints."""
+    """Limits of the tip's speed and acceleration and of the joints' rates, for `ResolvedRate`."""
 
     speed: float = 0.2
     """Maximum speed of the tip, in [m/s]."""
@@ -56,7 +56,7 @@ class ResolvedRate:
         return float(np.hypot(*(self._end - self._arm.tip(q))))
 
     def astray(self, q: FloatArray) -> float:
-        """Return the distance of the tip from the line at joint angles `q` (2,) in [rad], in [m]."""
+        """Return the tip's distance, in [m], from its straight line with the joints at `q` (2,) in [rad]."""
         return float(np.hypot(*self._aside(self._arm.tip(q))))
 
     def command(self, q: FloatArray, dt: float) -> FloatArray:

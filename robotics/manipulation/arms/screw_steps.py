@@ -93,8 +93,8 @@ def pose_error(pose: FloatArray, target: FloatArray, free: int, error: FloatArra
     Args:
         pose: (4, 4) base_T_tip.
         target: (4, 4) wanted base_T_tip.
-        free: 1 if the azimuth about the z of the base is free, 2 if the turn about the x of the tool is,
-            0 if none is.
+        free: 1 if the azimuth about the z of the base is free, 2 if the turn about the x of the tool is free,
+            0 if neither is.
         error: (6,), written: target minus pose in [m], and the rotation vector that turns the pose into
             the target in [rad], in the axes of the base.
     """
@@ -140,8 +140,8 @@ def without_free(pose: FloatArray, free: int, rows: FloatArray) -> None:
 
     Args:
         pose: (4, 4) base_T_tip.
-        free: 1 if the azimuth about the z of the base is free, 2 if the turn about the x of the tool is,
-            0 if none is.
+        free: 1 if the azimuth about the z of the base is free, 2 if the turn about the x of the tool is free,
+            0 if neither is.
         rows: (6, k) in the axes of the base: three rows of translation in [m], three of rotation in [rad];
             changed.
     """
@@ -222,8 +222,8 @@ def descend(chain: ScrewChain, target: FloatArray, free: int, iterations: int, p
     Args:
         chain: kinematics of the arm.
         target: (4, 4) wanted base_T_tip.
-        free: 1 if the azimuth about the z of the base is free, 2 if the turn about the x of the tool is, 0 if
-            none is.
+        free: 1 if the azimuth about the z of the base is free, 2 if the turn about the x of the tool is free,
+            0 if neither is.
         iterations: largest number of steps.
         posture: posture whose angles are the start, in [rad]; the result is written into it.
     """

@@ -39,10 +39,10 @@ class ToolTargets(NamedTuple):
 
 
 class ToolRule(NamedTuple):
-    """Requirements on an arm at a point of a path."""
+    """Rule by which `screw_table` scores an arm at a point of a path, with the turn that is free there."""
 
     free: int
-    """1 if the azimuth of the tool is free, 2 if the turn about its x axis is, 0 if none is."""
+    """1 if the tool's azimuth is free, 2 if its turn about its own x axis is free, 0 if neither is."""
     cos_tolerance: float
     """Cosine of the largest difference between the azimuths of tool and path, used with a free azimuth."""
     reach: float
@@ -275,7 +275,7 @@ def screw_table(
         pool: postures at which iterations start.
         stands: (b, 4) x, y in the world in [m], cosine and sine of the heading of the bases.
         path: path of the tool.
-        rule: requirements.
+        rule: rule of the score.
         angles: (b, p, n) joint angles in [rad], written unless the array is empty.
 
     Returns:
@@ -324,7 +324,7 @@ def _best_score(
         pool: postures where descents start.
         target: (4, 4) wanted base_T_tip.
         twist: (6,) motion of the tool for each metre of path, in the base frame, [m/m] and [rad/m].
-        rule: requirements.
+        rule: rule of the score.
         before: score at the point before, whose angles `best` holds; if unusable, no descent starts there.
         posture: posture of the descents, written.
         best: (n,) in [rad], written.

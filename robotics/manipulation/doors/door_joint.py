@@ -92,7 +92,7 @@ class DoorJoint(NamedTuple):
         For a hinge, the opening is computed from the handle's orientation, for a slide from its position.
 
         Args:
-            handle: (4, 4) in the frame of `closed`.
+            handle: (4, 4) pose of the handle, in the same frame as `closed`.
         """
         if self.hinge is None:
             return self.opening_at(handle[:3, 3])

@@ -68,7 +68,7 @@ class PathFit(NamedTuple):
 
     @property
     def curvature(self) -> float:
-        """Curvature in [1/m], positive to the left."""
+        """Curvature of the path in [1/m], positive if the path bends to the left."""
         return float(self.state[CURVATURE])
 
     @property

@@ -85,9 +85,9 @@ class CollisionModel:
         return found
 
     def distance(self, q: FloatArray) -> float:
-        """Clearance, in [m], of the closest pair at joint angles `q` (n,), in [rad] or [m].
+        """Return the least distance, in [m], between two bodies at joint angles `q` (n,), in [rad] or [m].
 
-        Below zero it is the depth of the penetration.
+        Below zero it is the depth by which the bodies penetrate each other.
         """
         arguments = (self._model, self._model_data, self._bodies, self._data, self.arm.ordered(q))
         closest = pin.computeDistances(*arguments)

@@ -39,7 +39,7 @@ class RoundedPath:
 
     @property
     def length(self) -> float:
-        """Whole arc length, in [rad]."""
+        """Arc length of the complete path over all joints, in [rad]; 1 m of a joint counts as 1 rad."""
         return float(self.knots[-1])
 
     def at(self, s: FloatArray, order: int = 0) -> FloatArray:

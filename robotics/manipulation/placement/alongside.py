@@ -72,8 +72,8 @@ def place_alongside(
     """Return straight drives of the base along a path, as few as possible, each for an equal part of the
     path.
 
-    The score at each point is that of a base at rest (`Placer`) at the pose that it has at this point. So the
-    arm alone is fast and strong enough there, without the base's motion.
+    At each point the score is that of an arm on a base at rest (see `Placer`), at the pose where the driving
+    base passes this point. The arm alone is therefore fast and strong enough, without the base's motion.
 
     Args:
         placer: placer of the arm and its work.

@@ -94,7 +94,7 @@ class BaseScorer:
         return self.step, 2.0 * np.pi / self.grid.headings
 
     def scores_by(self, bases: FloatArray, path: ToolPath, rule: ScoreRule) -> PlacementScores:
-        """Return the scores of a path's points from base poses, by another rule.
+        """Return the scores of a path's points from base poses, by `rule` instead of the scorer's own rule.
 
         Args:
             bases: (b, 3) world_T_base: x, y in [m], heading in [rad].

@@ -47,10 +47,9 @@ def refine(
 ) -> Refinement:
     """Improve a division: move each base pose to its segment's best score, divide again, and repeat.
 
-    Each division is among the present base poses and the moved ones.
-
-    The search ends when neither improves the score: at a local optimum, never worse than the start.
-    It does not bound the distance from the global optimum: see `placement_bound`.
+    Each division is among the present base poses and the moved ones. The search ends when a new division does
+    not improve the score: at a local optimum, never worse than the start. How far the global optimum may be
+    is not known from this search; see `placement_bound`.
 
     Args:
         scorer: returns the scores of base poses.

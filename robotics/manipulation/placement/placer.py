@@ -35,7 +35,7 @@ _HALVINGS = 2  # of the coarse grid, around the places found on it
 
 
 class Placer(BaseScorer):
-    """Search for base poses, called placements, from which one arm can do its work along a path.
+    """Planner of base poses, called placements, from which one arm can do its work along a path.
 
     The best division is found exactly on a grid of base poses, which are then moved to the best score nearby.
 

@@ -78,7 +78,7 @@ class StopTable(NamedTuple):
 
     @property
     def usable(self) -> BoolArray:
-        """Return a mask (b, n): True where a stop serves a goal and has a landmark in sight."""
+        """Return a mask (b, n): True where all motions of a goal are reached and a landmark is in sight."""
         sighted = np.asarray(self.sights.any(axis=1))
         return np.asarray(self.served & sighted[:, None])
 
@@ -86,7 +86,7 @@ class StopTable(NamedTuple):
 class StopPlacer:
     """Planner of base poses, called stops, from which the arm does its tasks at given goals, in their order.
 
-    Each stop serves one or several successive goals.
+    At each stop the arm does the tasks of one or several successive goals.
 
     Hatano et al. (2000), section 3, do not state how to choose the pose of the base for a goal. Here the
     value of a stop is the directional manipulability (Shin 2005) along the hand's motions at its goals, and
@@ -98,10 +98,10 @@ class StopPlacer:
         self._placer, self._sights = placer, sights
 
     def table(self, bases: FloatArray, goals: Sequence[Goal]) -> StopTable:
-        """Return for each base pose its scores for goals, the goals that it serves, and the landmarks visible
-        from it.
+        """Return for each base pose its scores for goals, the goals whose motions the arm reaches from there,
+        and the visible landmarks.
 
-        A base pose from which no landmark is visible has score 0 and serves no goal.
+        A base pose from which no landmark is visible has score 0, and counts as reaching no goal.
 
         Args:
             bases: (b, 3) map_T_base: x, y in [m], heading in [rad].
@@ -127,16 +127,16 @@ class StopPlacer:
     def place(
         self, goals: Sequence[Goal], blocked: Blocked, touches: Touches | None = None, cost: float = 0.3
     ) -> tuple[BaseStop, ...]:
-        """Return the best stops of the base for some goals.
+        """Return the stops of the base from which the arm does its tasks at given goals with the best score.
 
         Args:
-            goals: goals in the order in which they are served.
+            goals: goals in the order in which their tasks are done.
             blocked: function that reports which of many base poses are blocked.
             touches: function that reports contacts of the robot at a chosen stop and goal; None: no check.
             cost: score that one more stop must gain, without unit.
 
         Raises:
-            Untrackable: a goal cannot be served from any base pose; its `index` is that of the goal.
+            Untrackable: the task of a goal can't be done from any base pose; `index` is the goal's number.
         """
         around = _joined(goals)
         candidates = self._placer.candidates(around)

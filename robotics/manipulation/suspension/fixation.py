@@ -131,7 +131,9 @@ def placing_posture(planned_T_base: Transform, planned_T_goal: Transform) -> Tra
 
 
 def split_goal(world_T_goal: Transform, world_T_base: Transform) -> Transform:
-    """Return base_T_goal (4, 4), the pose of a goal in the frame of the planned base: M0_T_B0 of section 3.
+    """Return base_T_goal (4, 4), the pose of a goal in the frame of the planned base.
+
+    This is M0_T_B0 of Hatano et al. (2000), section 3.
 
     Args:
         world_T_goal: (4, 4) pose of the goal.

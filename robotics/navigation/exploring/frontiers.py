@@ -45,7 +45,7 @@ class Frontier(NamedTuple):
 
 
 class Border(NamedTuple):
-    """Border between free and unknown ground."""
+    """Border between free and unknown ground, with the frontiers in it and counts of its cells."""
 
     frontiers: list[Frontier]
     """Parts that the robot could cross, at least as long as its radius."""

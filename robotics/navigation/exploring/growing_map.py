@@ -70,8 +70,8 @@ class GrowingMap:
         return self.graph.poses
 
     def pose_of(self, odometry: Pose2) -> Pose2:
-        """Return map_T_base: the pose of the latest keyframe, or that of `carry_on_from`, plus the odometry
-        since then.
+        """Return map_T_base: the pose of the latest keyframe, or the pose set by `carry_on_from`, moved by
+        the odometry since then.
 
         Args:
             odometry: odom_T_base at the wanted moment.
@@ -147,7 +147,8 @@ class GrowingMap:
         return np.asarray(covariances(np.array(self.poses), self.graph.edges)[-1])
 
     def grid(self, resolution: float) -> GridMap:
-        """Return the map drawn from all keyframes, on top of the given map if there is one.
+        """Return the map drawn from all keyframes; a map given at the start fills the cells that stay
+        unknown.
 
         Args:
             resolution: size of a cell, in [m].

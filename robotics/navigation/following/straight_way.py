@@ -29,7 +29,7 @@ class StraightWay:
             pose: world_T_base.
             along: wanted position of the base on the line now, in [m] ahead of the start; negative behind the
                 start.
-            speed: speed of that point along the way, in [m/s].
+            speed: speed with which the wanted position moves along the line, in [m/s].
             dt: control period, in [s].
         """
         here = pose.relative_to(self._start)

@@ -88,7 +88,7 @@ class WayGuard:
         self._stands = (_Stand(pose, (self._map.nearest(pose[:2]).distance, scanned)),)
 
     def may_stand_at(self, pose: Pose2) -> None:
-        """Allow the robot, at one more pose map_T_base, to be as near to mapped obstacles as that pose is."""
+        """Allow the robot to be at one more pose, map_T_base, however near mapped obstacles are there."""
         self._stands += (_Stand(pose, (self._map.nearest(pose[:2]).distance, math.inf)),)
 
     def free_way(

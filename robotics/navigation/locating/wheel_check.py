@@ -165,8 +165,8 @@ class Baseline:
         self._fastest = np.maximum(self._fastest, _size(step))
 
     def note_pose(self, pose: Pose2) -> None:
-        """Set the estimated map_T_base; it is kept as the scan's pose as long as the wheels have not moved
-        since.
+        """Set the estimated map_T_base; it becomes the pose of the kept scan, unless the wheels have moved
+        since this scan.
         """
         if self._way == 0.0 and self._sideways == 0.0:
             self._then = pose

@@ -65,7 +65,7 @@ def build_map(log: ScanLog, resolution: float, heard: Heard = ignore_stage) -> B
 def built_of(
     graph: KeyframeGraph, rows: list[int], blind: int, before: list[Pose2], resolution: float
 ) -> BuiltMap:
-    """Return the map drawn from the keyframes of a graph, with the graph's results.
+    """Return the map drawn from the keyframes of a pose graph, with poses, covariances and loop closures.
 
     Args:
         graph: keyframes with their poses.

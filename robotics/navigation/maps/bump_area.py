@@ -23,7 +23,7 @@ def bump_fronts(bumps: FloatArray, radius: float, half_angle_deg: float = GUARDE
     Args:
         bumps: (n, 3) x, y on the map in [m], and direction of the motion on the map in [rad].
         radius: radius of the base's footprint, in [m].
-        half_angle_deg: half of the sector about the direction of the motion, in [deg].
+        half_angle_deg: half the angle of the sector about the direction of the motion, in [deg].
 
     Returns:
         (m, 2) on the map, in [m].

@@ -33,8 +33,8 @@ class _BentSums(NamedTuple):
 class BentWay(_BentSums):
     """Position error of odometry that is of second order in the heading's error, summed up over a drive.
 
-    To first order an error of the heading moves the base sideways only. The terms here are the shortening of
-    the way, and slip in a direction that is wrong already.
+    To first order an error of the heading moves the base sideways only. To second order it also shortens the
+    travel along the estimated heading, and turns the effect of further slip.
     """
 
     @classmethod
@@ -78,7 +78,8 @@ class BentWay(_BentSums):
 def rest_sigmas(variance: float) -> tuple[float, float]:
     """Return the root mean squares of 1 - cos(e) and of e - sin(e) for normal errors e of a heading.
 
-    By these amounts a step of 1 m is shorter, and goes less to the side, than to first order in e.
+    Compared with the result to first order in e, a step of 1 m is shorter by the first value, and goes less
+    to the side by the second value.
 
     Args:
         variance: variance of e, in [rad²].

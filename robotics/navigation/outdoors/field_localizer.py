@@ -74,7 +74,7 @@ class FieldLocalizer(ABC):
 
     @property
     def heading_known(self) -> bool:
-        """True if the heading is known."""
+        """True if the base's heading in the field's frame is known, so that `pose` is valid in this frame."""
         return True
 
     @property

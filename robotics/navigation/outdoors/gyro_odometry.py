@@ -74,7 +74,7 @@ class GyroOdometry:
 
     @property
     def tilt(self) -> tuple[float, float]:
-        """Roll and pitch in [rad]."""
+        """Roll and pitch of the base, in [rad]."""
         return float(self._state[4]), float(self._state[5])
 
     @property

@@ -59,7 +59,8 @@ class FarPlanner:
         """Return the points (n, 2) of a route on the map, in [m]; None if none was found.
 
         It is a generator: each step takes about as long as building a Voronoi graph. The first part of the
-        route leads to larger cells with enough room; it is not checked for obstacles.
+        route leads from the start to the nearest free place of the larger cells; it is not checked for
+        obstacles.
 
         Args:
             start: map_T_base.

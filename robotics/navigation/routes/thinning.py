@@ -130,8 +130,8 @@ def _peel(
 def thin(free: BoolArray, distance: SingleArray) -> BoolArray:
     """Return the skeleton of the free cells as a mask (h, w).
 
-    The skeleton is one cell wide, has the same connections and holes as the free cells, and runs through
-    their middle by the distance to obstacles.
+    The skeleton is one cell wide, has the same connections and holes as the free cells, and runs where the
+    distance to the obstacles on both sides is equal.
 
     Args:
         free: (h, w) mask, False all along the border.

@@ -95,7 +95,7 @@ def narrowest_room(grid: GridMap) -> float:
 
 
 class Ways:
-    """Routes of a robot on a map from its present position."""
+    """Planner of routes on a map from a robot's present position to any goal."""
 
     def __init__(
         self,

@@ -95,9 +95,7 @@ def find_slots(
 
 
 class OffsetView(NamedTuple):
-    """View of the shelf, with the offset that aligns it with other views by addition to its lateral positions
-    y, in [m].
-    """
+    """View of the shelf, with an offset in [m] that is added to its y so that it agrees with other views."""
 
     view: SpineView
     offset: float

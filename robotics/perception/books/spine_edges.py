@@ -118,8 +118,8 @@ def strips_of(view: FlatView) -> Strips:
 def upright(strips: Strips) -> Strips:
     """Return strips that are shifted sideways against each other, so that edges of books are upright.
 
-    This corrects a small roll of the camera. The tilt is found at which edges in all strips add up best.
-    Positions at the mean height are unchanged.
+    This corrects a small roll of the camera. Of several tilts, the one is chosen at which the edges in all
+    strips are best in line. Positions at the mean height are unchanged.
     """
     tilts = np.linspace(-_STEEPEST, _STEEPEST, _TILTS)
     slopes = np.nan_to_num(strips.grey[:, 2:] - strips.grey[:, :-2])

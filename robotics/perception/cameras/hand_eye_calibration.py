@@ -26,7 +26,7 @@ _LEAST_ARM_ERROR = 1e-6  # [m]
 
 
 class HandEyeView(NamedTuple):
-    """The board as seen from one posture of the arm."""
+    """Calibration board as seen by the camera on the hand, from one posture of the arm."""
 
     base_T_hand: Transform
     """Pose (4, 4) of the hand by the arm's joints."""
