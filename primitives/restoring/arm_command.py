@@ -63,7 +63,7 @@ def moves_fingers(robot: Robot, moment: Moment) -> bool:
 
 
 def command_moment(robot: Robot, moment: Moment, periods: int = 1) -> Generator[None, None, None]:
-    """Bring arm and gripper to their commands of a recorded moment: the gripper first, then the arm.
+    """Bring the gripper, and then the arm, to the commands that they had in a recorded moment.
 
     Args:
         robot: the robot.

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Patience(NamedTuple):
-    """Limits on repeated attempts to bring the robot back to the start: their number and the time between.
+    """Number of attempts to bring the robot back to the start, and the time between two attempts.
 
     A fault on the way back may pass by itself: a drive that refuses a command, a late reading, a person in
     the way.

@@ -125,7 +125,7 @@ def meshes_of(urdf_text: str) -> list[MeshUse]:
 
 
 def bodies_of(urdf_text: str) -> list[Shape]:
-    """Return the collision bodies, each named after its link and posed in that link's frame.
+    """Return the collision bodies of a URDF, each named after its link and posed in that link's frame.
 
     Raises:
         ValueError: a mesh can't be read, or encloses nothing.

@@ -51,8 +51,8 @@ class Connections:
 
     @web.middleware
     async def heard(self, request: web.Request, handler: Handler) -> web.StreamResponse:
-        """Record that a connection has sent a request, and whether with the access token, then pass the
-        request on.
+        """Record that a connection has sent a request, and whether the request has the access token; then
+        pass the request on.
         """
         self._silent.discard(request.protocol)
         if self._has_token(request) and len(self._known) < MOST_KNOWN:

@@ -27,7 +27,7 @@ class Lease:
         return bool(tab) and self._current() == tab
 
     def take(self, tab: str, name: str) -> None:
-        """Give the lease to a tab, whichever tab had it before.
+        """Give the right to command to a browser tab, whichever tab had it before.
 
         Args:
             tab: identifier of the tab.

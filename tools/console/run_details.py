@@ -42,8 +42,8 @@ class RunDetails:
         self._folder, self._alive, self._run = folder, alive, read_run(folder)
 
     def summary(self, situation: str | None) -> dict[str, Any]:
-        """Return the details of the run that the console's page shows; `situation` is the one that a running
-        run reports.
+        """Return the details of the run that the console's page shows; `situation` is the situation of the
+        network that the run itself reports while it is running.
         """
         run = self._run
         end = run.end

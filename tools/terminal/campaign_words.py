@@ -42,7 +42,7 @@ class CampaignWords:
         self._settling, self._learned = settling, learned
 
     def lines(self) -> Iterator[str]:
-        """Yield the report as lines of text for people."""
+        """Yield the campaign's report as lines of text for people."""
         report = self._report
         low, high = report.wilson
         count = len(report.trials)

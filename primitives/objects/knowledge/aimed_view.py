@@ -62,7 +62,7 @@ def aimed_joints(
 def aimed_views(
     arm: ArmModel, carrier: str, carrier_T_camera: Transform, point: FloatArray, posture: FloatArray
 ) -> Iterator[tuple[FloatArray, Transform]]:
-    """Yield joints (n,), in [rad] or [m], that turn a camera to a point, and base_T_camera (4, 4).
+    """Yield pairs: joints (n,), in [rad] or [m], that turn a camera to a point, and base_T_camera (4, 4).
 
     If the arm has a lift, a pair is yielded for each of some heights of the lift, otherwise a single pair.
 

@@ -159,6 +159,8 @@ class Objects(Section):
     ) -> Generator[None, None, bool] | None:
         """Return a generator that measures the surface of a place by lidar; the place moves with the surface.
 
+        The generator's result is True if the surface was seen.
+
         None if the place was not computed as a pose of the base before a surface, or if the surface is fixed,
         was measured before or cannot be seen by the lidar.
         """

@@ -36,7 +36,7 @@ class DetectedObject(NamedTuple):
 def detect_all(
     detectors: Mapping[str, Detector], image: DepthImage, camera: CameraModel
 ) -> list[DetectedObject]:
-    """Return what all detectors find in a picture, in the base frame.
+    """Return the objects that all detectors find in a picture, with their poses in the base frame.
 
     Raises:
         BrokenDetector: a detector raises, or returns something other than detections.

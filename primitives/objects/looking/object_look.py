@@ -304,7 +304,7 @@ def sighting(robot: Robot, model: ModelView, name: str, surface: str, found: Loc
     """Return the pose on the map of a located object, with the uncertainty of the base's pose.
 
     Raises:
-        Discrepancy: the object is next to the surface.
+        Discrepancy: the object is not on the surface, but next to it.
     """
     x, y = found.base_T_object[:2, 3].tolist()
     heading = math.atan2(found.base_T_object[1, 0], found.base_T_object[0, 0])

@@ -31,7 +31,7 @@ def base_T_map(robot: Robot) -> Transform:
 def surroundings(
     robot: Robot, model: ModelView, without: str = "", room: float = 0.0, believed: bool = True
 ) -> tuple[Solid, ...]:
-    """Return the surfaces, all known objects but one, and the robot's own tray, posed in the base frame.
+    """Return bodies of surfaces, of all known objects but one, and of the robot's tray, in the base frame.
 
     Around an object that was not seen yet, the uncertainty of its believed place is included.
 

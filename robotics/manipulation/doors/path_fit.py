@@ -73,7 +73,7 @@ class PathFit(NamedTuple):
 
     @property
     def curvature_sigma(self) -> float:
-        """Standard deviation of the curvature, in [1/m]."""
+        """Standard deviation of the path's curvature, in [1/m]."""
         return math.sqrt(self.covariance[CURVATURE, CURVATURE])
 
     @property

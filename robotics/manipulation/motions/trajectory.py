@@ -19,7 +19,7 @@ def time_path(
 ) -> FloatArray:
     """Return joint set-points (k, n), in [rad] or [m], from the path's start to its end, at rest at both.
 
-    There is one each `period`.
+    There is one set-point for each `period`.
 
     The path is followed as fast as the limits allow: its corners are rounded by arcs, then its speed is
     chosen by TOPP-RA (Pham and Pham 2018). At corners where the path reverses its direction the arm stops.

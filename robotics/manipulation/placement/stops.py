@@ -44,7 +44,7 @@ _NO_SIGHT = "is reached only from where no landmark can be looked at"
 
 
 class Goal(NamedTuple):
-    """Task of the hand at one place: a motion to make, and further motions that must be possible there."""
+    """Task of the hand at one place, with a motion to make and motions that must also be possible there."""
 
     work: ToolPath
     """Motion of the hand at the goal, along which a stop is scored."""
@@ -78,7 +78,7 @@ class StopTable(NamedTuple):
 
     @property
     def usable(self) -> BoolArray:
-        """Return a mask (b, n): True where all motions of a goal are reached and a landmark is in sight."""
+        """Return a mask (b, n), True where all motions of a goal are reached and a landmark is in sight."""
         sighted = np.asarray(self.sights.any(axis=1))
         return np.asarray(self.served & sighted[:, None])
 

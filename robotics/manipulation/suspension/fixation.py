@@ -69,8 +69,9 @@ class PlannedView(NamedTuple):
     """C0_T_P0, (4, 4)."""
 
     def camera_error(self, camera_T_landmark: Transform) -> Transform:
-        """Return planned_T_camera (4, 4), the actual camera pose in the frame of the planned camera: dT_C of
-        eq. 4.
+        """Return planned_T_camera (4, 4), the actual camera pose in the frame of the planned camera.
+
+        This is dT_C of Hatano et al. (2000), eq. 4.
 
         Args:
             camera_T_landmark: (4, 4) pose of the landmark as seen.

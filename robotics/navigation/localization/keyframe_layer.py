@@ -68,7 +68,7 @@ class KeyframeLayer:
 
     @property
     def empty(self) -> bool:
-        """True without a keyframe."""
+        """True if no keyframe is stored."""
         return len(self._poses) == 0
 
     def take(self, points: FloatArray, pose: Pose2, covariance: FloatArray) -> bool:

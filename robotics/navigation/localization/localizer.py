@@ -133,7 +133,7 @@ class Localizer(ABC):
 
 
 class ScanLocalizer(Localizer):
-    """Odometry corrected by matching scans with a map.
+    """Localizer that corrects the odometry of the wheels by matching lidar scans with a map.
 
     Attributes:
         last_match: match of the latest scan, accepted or not; None before the first.

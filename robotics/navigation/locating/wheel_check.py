@@ -157,7 +157,7 @@ class Baseline:
         self._moved = Pose2(0.0, 0.0, 0.0)
 
     def roll(self, left: float, right: float, sideways: float) -> None:
-        """Add the wheels' travel in a period, in [m]: left, right and to the left."""
+        """Add a period's travel, in [m]: of the left wheels, of the right wheels, and sideways (left)."""
         step = rolled_motion(left, right, sideways, self._tread)
         self._moved = self._moved.compose(step)
         self._left, self._right = self._left + left, self._right + right

@@ -36,9 +36,9 @@ class Hypothesis(NamedTuple):
 def search_window(
     surface_points: FloatArray, points: FloatArray, centre: Pose2, reach: float, reach_turn: float
 ) -> list[Hypothesis]:
-    """Search poses near an expected pose at which points fit a surface; return up to five, the best first.
+    """Search for poses, near an expected pose, at which points fit a surface; return up to five of them.
 
-    They differ from each other by more than `APART_M` or `APART_RAD`.
+    The best pose is the first. The poses differ from each other by more than `APART_M` or `APART_RAD`.
 
     Args:
         surface_points: (n, 2) points of the surface, in the reference frame, in [m].

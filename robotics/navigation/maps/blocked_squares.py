@@ -254,7 +254,7 @@ def path_clearance(squares: BlockedSquares, path: FloatArray) -> FloatArray:
     """Return for each point of a path the least distance to blocked squares on the segments that end at the
     point.
 
-    Everywhere on the segments to its neighbours, the path has at least this distance.
+    At each place on these segments, the path is at least so far from blocked squares.
 
     Args:
         squares: blocked squares of the map.

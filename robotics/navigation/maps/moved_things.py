@@ -13,7 +13,7 @@ from .grid_map import GridMap
 
 
 class MovedThing(NamedTuple):
-    """Outlines of a thing on the map: where it was when the map was made, and where it was measured later."""
+    """Outlines of a thing where it was when the map was made, and where it was measured later."""
 
     before: FloatArray
     """(n, 2) corners of a convex polygon on the map, counter-clockwise, in [m]."""

@@ -14,7 +14,7 @@ def point_discs(points: FloatArray) -> FloatArray:
     """Return discs (n, 3), x, y and radius in [m], that cover the obstacles on which points lie.
 
     Points connected by gaps of at most `MAX_POINT_GAP_M` lie on the same obstacle. Its disc contains these
-    points and another `HIDDEN_DEPTH_M`.
+    points and reaches `HIDDEN_DEPTH_M` beyond them, because an obstacle may be deeper than it was seen.
 
     Args:
         points: (m, 2) in any one frame, in [m].

@@ -20,7 +20,7 @@ class TooManyCells(ValueError):
 
 
 class TurnedOccupancy(NamedTuple):
-    """Occupancy grid whose cells are along the axes of its frame, computed from a turned grid."""
+    """Occupancy grid with cells along the axes of its frame, computed from a grid turned in this frame."""
 
     values: Int8Array
     """(h, w) in percent, -1 for unknown, row 0 at the bottom."""

@@ -34,7 +34,8 @@ class BentWay(_BentSums):
     """Position error of odometry that is of second order in the heading's error, summed up over a drive.
 
     To first order an error of the heading moves the base sideways only. To second order it also shortens the
-    travel along the estimated heading, and turns the effect of further slip.
+    travel along the estimated heading, and further slip then moves the base in another direction than
+    estimated.
     """
 
     @classmethod

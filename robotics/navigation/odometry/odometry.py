@@ -244,7 +244,7 @@ class Odometry:
         return self._errors
 
     def sideways_turn_variance(self, sideways: float) -> float:
-        """Return the variance, in [rad²], that slip adds to the heading; `sideways` is the travel, in [m]."""
+        """Return the heading's variance, in [rad²], by slip on the sideways travel `sideways`, in [m]."""
         return 0.0
 
     def turn_variance(self, left: float, right: float, sideways: float = 0.0) -> float:

@@ -135,8 +135,9 @@ class FieldKalman:
 
     @property
     def relative_pose(self) -> Belief:
-        """Motion origin_T_base, with mean (3,), x, y in [m] and unwrapped heading in [rad], and covariance
-        (3, 3).
+        """Motion origin_T_base since `set_origin`, with mean (3,) and covariance (3, 3).
+
+        The mean is x, y in [m] and the heading in [rad], which is not wrapped.
         """
         if self._origin is None:
             raise ValueError("no origin was set")

@@ -39,7 +39,7 @@ _BIAS_ROW = np.array([[1.0 if state in (BIAS, WARM_UP) else 0.0 for state in ran
 
 
 class HeadingBank:
-    """Search for an unknown heading by several Kalman filters, weighted by the fixes' likelihoods (Magill,
+    """Estimator of an unknown heading by several Kalman filters, weighted by the fixes' likelihoods (Magill,
     1965).
 
     The filters start with headings in all directions. Each estimates all states of `FieldModel`, so that also

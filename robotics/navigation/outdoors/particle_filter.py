@@ -113,8 +113,8 @@ class ParticleFilter(FieldLocalizer):
     def dice(self) -> tuple[int, int, int, int]:
         """State of the random generator PCG64, to continue the same random numbers after a checkpoint.
 
-        It consists of state and increment (128 bits each), 1 if a 32-bit number is left over, and that
-        number.
+        It consists of PCG64's state and increment (128 bits each), a flag that is 1 if numpy has stored a
+        32-bit number for the next call, and this number.
         """
         state = self._rng.bit_generator.state
         return state["state"]["state"], state["state"]["inc"], state["has_uint32"], state["uinteger"]

@@ -22,7 +22,7 @@ SPACING_M = 0.03  # between points of a pass
 def straight_passes(
     grid: GridMap, shape: Footprint, points: FloatArray, spot: FloatArray
 ) -> list[FloatArray]:
-    """Return routes that lead straight through the middle of a narrow place.
+    """Return variants of a route that lead straight through the middle of a narrow place.
 
     Each route is (k, 2) on the map, in [m]. The route with the longest straight part is the first.
 

@@ -263,7 +263,7 @@ def _cost(square: float, scale: float) -> float:
 def confirmed(seen: ScanEvidence, before: ScanEvidence | None) -> ScanEvidence:
     """Return a scan's evidence, with a share of 0 if the evidence of the previous scan contradicts it.
 
-    The previous scan contradicts the evidence if it has none in about the same direction.
+    The previous scan contradicts the evidence if it has no evidence itself in about the same direction.
 
     The steps between the cells of a diagonal wall may give false evidence in a single scan, but rarely in two
     successive ones.

@@ -68,9 +68,9 @@ def find_spines(
     """Return the labelled spines in an image that are completely visible.
 
     The sides of a spine are the first edges next to a label that run up the complete view. If the thickness
-    of the book is known, they are edges at that distance, because a dark spine next to a dark slot shows only
-    one edge. A single view can't identify the things between two spines; see `find_slots`. Positions are
-    those at the mean height of the view.
+    of the book is known, the sides are edges with this distance between them, because a dark spine next to a
+    dark slot shows only one edge. A single view can't identify the things between two spines; see
+    `find_slots`. Positions are those at the mean height of the view.
 
     Args:
         image: (h, w), grey.
