@@ -154,6 +154,7 @@ def test_robot_without_the_sensor_runs_beside_a_broken_kind(package: Path) -> No
     assert untouched.returncode == 0, untouched.stderr
 
 
+@pytest.mark.slow
 def test_new_kind_edits_one_file_beside_its_own() -> None:
     """A depth camera is the latest kind; its name is in the registry alone."""
     assert named_outside("depth_camera") == ["backends/sensors/sensor_kind.py"]

@@ -67,6 +67,7 @@ def one_check(setting: kit.KitSetting, processes: int) -> KitReport:
     return KitReport.of(setting.backend, setting.robot, setting.quick, [finding])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(len(EXAMPLES)))
 def test_the_documents_examples_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], number: int

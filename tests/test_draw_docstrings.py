@@ -25,6 +25,7 @@ def test_draw_of_a_seed_is_always_the_same() -> None:
     assert one[-1].startswith("60 of ")
 
 
+@pytest.mark.slow
 def test_draw_of_arrays_holds_only_functions_with_arrays() -> None:
     lines = drawn("--arrays", "--count", "25")
     titles = [line for line in lines if line[:1].isdigit() and ".py:" in line]

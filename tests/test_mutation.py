@@ -94,6 +94,7 @@ def test_mutants_of_a_seed_are_the_same_and_change_what_acts(parts: Any, project
         assert ADDER.splitlines()[mutant.line - 1].strip() == mutant.before
 
 
+@pytest.mark.slow
 def test_an_exception_with_a_dot_in_its_name_ends_no_drawing(parts: Any, project: Path) -> None:
     text = "import os\n\n\ndef f(g):\n    try:\n        g(1)\n    except os.error:\n        pass\n"
     (project / ADDER_FILE).write_text(text)
@@ -101,6 +102,7 @@ def test_an_exception_with_a_dot_in_its_name_ends_no_drawing(parts: Any, project
     assert "g( 2)" in {mutant.after for mutant in drawn}
 
 
+@pytest.mark.slow
 def test_each_module_has_places_for_mutants(parts: Any) -> None:
     drawing = parts("drawing")
     modules = list(drawing.MODULE_GROUPS)

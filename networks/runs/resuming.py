@@ -84,7 +84,7 @@ class Past:
             if record["kind"] in _DOUBTFUL:
                 yield f"whether it happened: {record[_DOUBTFUL[record['kind']]]}"
         if self.contents.torn_at is not None:
-            yield f"what record {self.last + 1}, which is damaged, told of it"
+            yield f"the content of record {self.last + 1}, which is damaged"
 
     def words(self, now_s: float, boot: str | None) -> list[str]:
         """Return lines of text on the run's last known state, as information before it is resumed.

@@ -24,6 +24,7 @@ def test_each_is_listed_with_what_it_measures() -> None:
     assert all(about and "python" not in about and "\n" not in about for about in found.values())
 
 
+@pytest.mark.slow
 def test_a_word_chooses() -> None:
     assert all("campaign" in f"{name} {about}".lower() for name, about in listed("Campaign"))
     assert "benchmarks.hostile.crashes" in dict(listed("Kill return_book"))

@@ -93,6 +93,7 @@ def test_any_text(text: str) -> None:
     check(text.encode(errors="surrogatepass"))
 
 
+@pytest.mark.slow
 @bounded
 @given(st.lists(st.sampled_from(SYNTAX + WORDS + ESCAPES), max_size=60))
 def test_any_scraps_of_yaml(scraps: list[str]) -> None:

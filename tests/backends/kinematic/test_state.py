@@ -72,6 +72,7 @@ def test_a_world_that_went_on_is_put_back_too(puppet: Puppet) -> None:
     assert np.array_equal(first, on(), equal_nan=True)
 
 
+@pytest.mark.slow
 def test_what_was_worked_out_elsewhere_is_forgotten(puppet: Puppet, make: Make) -> None:
     """Things were moved as often there, so by their number of changes alone they could be the same."""
     backend, scene, first = puppet.backend, puppet.scene, pack(puppet.backend.state())

@@ -50,6 +50,7 @@ def move(backend: Any, number: int) -> None:
     backend.step()
 
 
+@pytest.mark.slow
 def test_it_goes_on_to_the_last_bit(backends: tuple[Any, Any]) -> None:
     first, again = backends
     for number in range(60):
@@ -68,6 +69,7 @@ def test_it_goes_on_to_the_last_bit(backends: tuple[Any, Any]) -> None:
         assert pack(again.state()) == then
 
 
+@pytest.mark.slow
 def test_a_run_that_was_kept_is_the_one_that_goes_on(backends: tuple[Any, Any]) -> None:
     """Sleepers stay asleep where they are, and whoever keeps a state changes nothing."""
     first, again = backends

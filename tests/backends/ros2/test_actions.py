@@ -130,6 +130,7 @@ def test_a_goal_of_another_node_stops_the_robot(make: Make) -> None:
             swing(backend, 5)
 
 
+@pytest.mark.slow
 def test_fingers_by_an_action_press_and_open(make: Make) -> None:
     for way in ({"action": HAND}, {"action": ARM, "action_type": "FollowJointTrajectory"}):
         with make(gripper=way) as backend:

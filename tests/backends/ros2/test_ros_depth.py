@@ -77,6 +77,7 @@ def test_each_camera_has_its_own_pictures() -> None:
         assert first is backend.sensor(first.sensor_name)
 
 
+@pytest.mark.slow
 def test_the_pose_of_depth_is_that_of_its_stamp() -> None:
     """A picture that comes late shows what was seen before: with the joints of then."""
     with backend_with(("delayed@head/depth/image_raw@0.5", "delayed@head/color/image_raw@0.5")) as backend:
@@ -93,6 +94,7 @@ def test_the_pose_of_depth_is_that_of_its_stamp() -> None:
         assert abs(math.remainder(now - turned, math.tau)) == pytest.approx(0.1, abs=0.015)
 
 
+@pytest.mark.slow
 def test_depth_that_lies_gives_no_picture() -> None:
     topic = DEPTH.colour
     with backend_with((f"old-stamps@{topic}@0.1",)) as backend:

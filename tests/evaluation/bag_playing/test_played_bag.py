@@ -27,6 +27,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_readings_of_a_bag_are_those_over_the_air(tmp_path: Path) -> None:
     live = record(tmp_path / "bag", "MCAP", PERIODS, None)
     assert list(played(tmp_path / "bag", PERIODS)) == live

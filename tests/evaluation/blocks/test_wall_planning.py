@@ -21,6 +21,7 @@ CHART = Path(__file__).parents[3] / "tasks" / "build_wall" / "map.yaml"
 BLOCK = (0.025, 0.08, 0.04)
 
 
+@pytest.mark.slow
 def test_a_wall_too_high_for_the_arm_names_the_block_and_why(tmp_path: Path) -> None:
     rows = "  - {x_m: 4.1, y_m: 1.82, height_m: 1.6, heading_deg: -90, along_mm: [0]}\n"
     loaded = load_drawing(drawing_file(tmp_path, rows, height=1.6))

@@ -42,6 +42,7 @@ def ran(work: Work, count: int = 30, jobs: int = 2) -> list[Trial]:
     return [item for together in Workers(work, jobs).trials(range(count)) for item in together]
 
 
+@pytest.mark.slow
 def test_each_seed_is_done_once_though_a_process_was_killed(tmp_path: Path) -> None:
     done = ran(Work(tmp_path, kills=7))
     assert sorted(item.seed for item in done) == list(range(30))

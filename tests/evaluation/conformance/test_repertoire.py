@@ -48,6 +48,7 @@ def test_doors_are_left_out_by_name_where_an_engine_has_none(capsys: pytest.Capt
     assert "'OPEN': pybullet simulates no doors" in " ".join(capsys.readouterr().err.split())
 
 
+@pytest.mark.slow
 def test_a_variant_is_tried_in_what_its_robot_is_made_for() -> None:
     assert KitSetting("kinematic", "toyama/h1").tasks == KitSetting("kinematic", "toyama").tasks
 
@@ -74,6 +75,7 @@ def test_a_robot_of_somebodys_own_is_tried_in_all_that_it_can_do() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_checks_are_made_where_the_first_task_is_done() -> None:
     assert KitSetting("kinematic").bench.files == RigFiles()
     files = KitSetting("kinematic", "toyama").bench.files

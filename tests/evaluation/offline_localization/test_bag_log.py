@@ -153,6 +153,7 @@ def test_a_bag_without_an_imu_turns_as_the_twist_says(tmp_path: Path) -> None:
     assert "turns as Odometry's twist says" in log.notes[0]
 
 
+@pytest.mark.slow
 def test_a_variance_of_zero_is_no_accuracy(tmp_path: Path, bags: dict[str, Path]) -> None:
     for variance in (0.0, 1e-12):
         log = read_bag_log(write_bag(tmp_path / str(variance), DRIVE._replace(variance=variance)))

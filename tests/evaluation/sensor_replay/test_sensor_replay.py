@@ -89,6 +89,7 @@ def test_drives_on_the_bench_are_commanded_the_same(tmp_path: Path, settings: Ma
     assert min(found.periods, found.commands) > 20
 
 
+@pytest.mark.slow
 def test_recording_changes_nothing_in_a_run(
     tmp_path: Path, settings: Mapping[str, str], folder: Path
 ) -> None:

@@ -209,6 +209,7 @@ def test_looks_that_differ_are_less_sure() -> None:
     assert covariance_of_mean(seen[:1], (3e-4, 4e-4))[2, 2] == pytest.approx(noise[1])
 
 
+@pytest.mark.slow
 def test_a_fixed_pose_is_as_far_off_as_its_sigma_says() -> None:
     """The base tilts under the arm: the localizer receives the pose without tilt."""
     squares = []

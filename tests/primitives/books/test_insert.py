@@ -24,6 +24,7 @@ def spine(rig: Any) -> Any:
     return (rig.scene.of(BookProps).shelves["shelf_1"].inverse_pose @ rig.scene.held.pose)[:3, 3]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "aside"), [(0, 0.0), (1, 0.004), (2, -0.004)])
 def test_it_pushes_the_book_in_until_the_tips_stand_before_the_spines(
     at_slot: Callable[..., Rig], seed: int, aside: float
@@ -57,6 +58,7 @@ def test_without_the_wiggle_it_is_pulled_back_and_a_fail(at_slot: Callable[..., 
     assert rig.scene.held.accession == 117
 
 
+@pytest.mark.slow
 def test_where_no_slot_is_no_wiggle_helps(at_slot: Callable[..., Rig]) -> None:
     rig, insert = at_slot(0.030), Insert(shelf="shelf_1")
     before = fronts(rig)
@@ -72,6 +74,7 @@ def test_where_no_slot_is_no_wiggle_helps(at_slot: Callable[..., Rig]) -> None:
     assert fronts(rig) == before
 
 
+@pytest.mark.slow
 def test_a_force_that_moves_neighbours_is_for_a_person(
     at_slot: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -93,6 +96,7 @@ def test_an_empty_hand_has_nothing_to_insert(at_slot: Callable[..., Rig]) -> Non
     assert outcome.reason == "the hand is empty; it must hold book 117"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_a_cancel_in_the_slot_pulls_the_book_out(at_slot: Callable[..., Rig], seed: int) -> None:
     rig = at_slot(seed=seed)

@@ -62,6 +62,7 @@ def test_a_grip_of_nothing_is_a_fail_while_the_tag_is_where_it_was(with_book: Ca
     assert np.allclose(rig.scene.of(BookProps).book_pose(117), before)
 
 
+@pytest.mark.slow
 def test_a_grip_of_nothing_is_for_a_person_when_the_book_was_moved(with_book: Callable[..., Rig]) -> None:
     rig = with_book()
     pose = rig.model.of(Books).book_pose

@@ -63,6 +63,7 @@ def test_the_book_stands_in_its_slot_flush_with_its_neighbours(
     assert np.allclose(rig.robot.arm.command(), rig.robot.spec.posture("home"))
 
 
+@pytest.mark.slow
 def test_before_the_fingers_open_everything_can_be_undone(inserted: Callable[..., Rig]) -> None:
     rig = inserted()
     height = rig.scene.held.pose[2, 3]
@@ -71,6 +72,7 @@ def test_before_the_fingers_open_everything_can_be_undone(inserted: Callable[...
     assert rig.scene.held.pose[2, 3] == pytest.approx(height, abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("opened", [0.0254, 0.036])
 def test_cancel_after_opening_is_a_give_up_and_the_hand_withdraws(
     inserted: Callable[..., Rig], opened: float
@@ -153,6 +155,7 @@ def test_where_no_board_is_the_book_is_not_let_go(at_slot: Callable[..., Rig]) -
     assert rig.scene.held.rest is Rest.HAND
 
 
+@pytest.mark.slow
 def test_a_book_that_does_not_go_home_is_for_a_person(
     inserted: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -164,6 +167,7 @@ def test_a_book_that_does_not_go_home_is_for_a_person(
     assert np.allclose(rig.robot.arm.command(), rig.robot.spec.posture("home"))
 
 
+@pytest.mark.slow
 def test_fingers_that_pass_the_book_by_have_not_pushed_it_home(inserted: Callable[..., Rig]) -> None:
     rig = inserted()
     rig.model.of(Books).slot = None

@@ -45,6 +45,7 @@ def test_open_door_finds_its_hinge(tmp_path: Path) -> None:
         assert float(outcome.evidence["force_n"]) < 15.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "wrong",
     [

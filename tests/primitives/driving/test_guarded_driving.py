@@ -46,6 +46,7 @@ class ReachPose(ActionPrimitive):
         yield from reach_pose(robot, Pose2(self.x, self.y, robot.pose.theta))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turn_rate", [0.0, 0.2, -0.35])
 def test_full_speed_ahead_ends_before_a_wall_of_the_map(
     make_rig: Callable[..., Rig], turn_rate: float
@@ -70,6 +71,7 @@ def test_it_ends_before_a_low_step_that_the_map_alone_shows(make_rig: Callable[.
     assert rig.scene.contacts == []
 
 
+@pytest.mark.slow
 def test_restoring_waits_for_a_person_behind_the_base(
     make_rig: Callable[..., Rig],
 ) -> None:
@@ -112,6 +114,7 @@ def test_a_pose_in_a_wall_is_told_to_be_held_by_the_map(make_rig: Callable[..., 
     assert rig.scene.contacts == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("start_y", [0.40, 0.43])
 def test_a_start_too_near_to_a_wall_is_left_and_come_back_to(
     make_rig: Callable[..., Rig], start_y: float

@@ -98,6 +98,7 @@ def test_what_stands_ahead_is_a_fail_and_it_drives_back(unheaded: Callable[..., 
         assert math.hypot(*rig.backend.scene.base[:2]) < 0.3
 
 
+@pytest.mark.slow
 def test_too_short_a_way_is_a_fail(unheaded: Callable[..., Any]) -> None:
     with unheaded() as rig:
         failed = rig.do(Orient(longest_m=2.0))

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
+import pytest
 
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.outcomes.outcome import Fail, Success
@@ -28,6 +29,7 @@ def note_sideways_speeds(rig: Rig) -> list[float]:
     return speeds
 
 
+@pytest.mark.slow
 def test_it_docks_square_and_drives_sideways_on_the_way(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(seed=3, robot="cart/mecanum")
     speeds = note_sideways_speeds(rig)
@@ -38,6 +40,7 @@ def test_it_docks_square_and_drives_sideways_on_the_way(make_rig: Callable[..., 
     assert np.abs(speeds).sum() * rig.robot.period > 0.3
 
 
+@pytest.mark.slow
 def test_a_blocked_drive_is_restored_to_where_it_began(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig(BOX, robot="cart/mecanum")
     before = rig.scene.base

@@ -74,6 +74,7 @@ def test_a_drive_by_wheels_stops_to_look_and_goes_on_then() -> None:
     assert due == [False, False, True, True, False, False, True, False]
 
 
+@pytest.mark.slow
 def test_a_drive_by_wheels_is_looked_at_on_the_way() -> None:
     """The drive ends if the sensors determine the pose as well as the place needs it."""
     with build_rig(FILES, "toyama", seed=2) as rig:

@@ -34,6 +34,7 @@ def frozen(rig: Rig, begin_s: float, seconds: float) -> list[tuple[float, float]
     return rows
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("localizer", ["scan", "odometry"])
 def test_a_lidar_stale_for_three_seconds_only_delays(make_rig: Callable[..., Rig], localizer: str) -> None:
     rig = make_rig(localizer=localizer, robot="cart")

@@ -69,6 +69,7 @@ def test_reach_is_measured_from_the_arms_own_joint(rig: Rig, towards: float) -> 
         arm.check_near((reach + 0.031) * ahead, unsure=0.03)
 
 
+@pytest.mark.slow
 def test_a_sensor_is_laid_where_it_is_believed_to_be(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its ellipse is what the pose's errors make of it; where it lies no other is laid."""
     robot, noted, deploy = rig.robot, [], Deploy(target="here")
@@ -92,6 +93,7 @@ def test_a_sensor_is_laid_where_it_is_believed_to_be(rig: Rig, monkeypatch: pyte
     assert laid.spread == pytest.approx(spread, abs=0.03 * float(np.trace(spread)))
 
 
+@pytest.mark.slow
 def test_without_ground_below_it_the_sensor_is_not_let_go(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     """A pit that is deeper than the arm looks for ground."""
     monkeypatch.setattr("handcart.primitives.field.deploy.GROUND_TOLERANCE_M", -0.06)
@@ -101,6 +103,7 @@ def test_without_ground_below_it_the_sensor_is_not_let_go(rig: Rig, monkeypatch:
     assert rig.model.of(FieldWork).laid == ()
 
 
+@pytest.mark.slow
 def test_a_sensor_that_falls_over_when_it_is_let_go_is_no_success(
     rig: Rig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -258,6 +261,7 @@ def test_on_its_way_aside_a_sensor_that_touches_the_ground_is_lifted(
             follow(aside)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("last", [False, True])
 def test_together_only_the_last_sensor_brings_the_arm_home(rig: Rig, last: bool) -> None:
     """Otherwise the fingers are lifted off the sensor, and the next drive does the rest."""

@@ -146,6 +146,7 @@ def blocked(rig: Rig, seed: int) -> tuple[Any, list[Sphere]] | None:
     return (pose, [ball]) if around.in_collision(first) and others and not around.in_collision(here) else None
 
 
+@pytest.mark.slow
 def test_pose_is_reached_where_the_first_posture_collides(make_rig: Callable[..., Rig]) -> None:
     rig = make_rig()
     cases = [case for seed in SEEDS if (case := blocked(rig, seed)) is not None]

@@ -45,6 +45,7 @@ def base_of(rig: Rig) -> Pose2:
     return scene_of(rig).base
 
 
+@pytest.mark.slow
 def test_the_tool_stays_on_the_seam_while_the_base_drives(
     make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -94,6 +95,7 @@ def test_what_stands_in_the_way_is_a_fail_and_remembered(make_rig: Callable[...,
     assert len(rig.model.obstacles)
 
 
+@pytest.mark.slow
 def test_tool_contact_while_driving_is_a_fail_and_base_returns(
     make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:

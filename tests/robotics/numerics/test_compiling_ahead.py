@@ -84,6 +84,7 @@ def test_another_process_leaves_machine_code_on_disk(tmp_path: Path) -> None:
     assert kept == {"near_pairs._near_boxes", "near_pairs.near_spheres"}
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no /proc: a process's children aren't told")
 def test_helpers_end_with_a_run_that_is_killed(tmp_path: Path) -> None:
     (tmp_path / "takes_a_minute.py").write_text("import time\ntime.sleep(60.0)\n", encoding="utf-8")

@@ -42,6 +42,7 @@ def network(tour: Path, p: float) -> Path:
     return tour
 
 
+@pytest.mark.slow
 def test_page_equals_the_campaign_and_that_of_its_merged_parts(
     handcart: Callable[..., Said], tour: Path, tmp_path: Path
 ) -> None:

@@ -189,6 +189,7 @@ def test_a_robots_file_is_checked_against_its_urdf(
     assert said.err.startswith(str(tmp_path / "robot.yaml:"))
 
 
+@pytest.mark.slow
 def test_thresholds_that_free_unknown_cells_are_a_warning(
     handcart: Callable[..., Said], broken: Callable[..., Path]
 ) -> None:

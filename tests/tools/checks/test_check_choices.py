@@ -46,6 +46,7 @@ def test_a_route_through_a_fail_alone_is_taken_last(
     assert figures["p_goal"] == pytest.approx(0.5 + 0.5 * 0.9 * (1 - 0.01**3), abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_goal_that_only_a_fail_leads_to_can_be_reached(
     handcart: Callable[..., Said], task: Callable[..., Path], tmp_path: Path
 ) -> None:

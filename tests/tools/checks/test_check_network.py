@@ -14,6 +14,7 @@ from tests.tools.conftest import Said
 ROOT = Path(__file__).resolve().parents[3]
 
 
+@pytest.mark.slow
 def test_probabilities_give_figures_with_their_assumption(handcart: Callable[..., Said], tour: Path) -> None:
     tour.write_text(tour.read_text().replace("cost_s: 30,", "cost_s: 30, p: 0.9,"))
     said = handcart("check", tour)
@@ -99,6 +100,7 @@ def two_ways(tour: Path) -> Path:
     return tour
 
 
+@pytest.mark.slow
 def test_what_more_tries_would_buy(handcart: Callable[..., Said], two_ways: Path) -> None:
     said = handcart("check", two_ways, "--json")
     report = json.loads(said.out)

@@ -44,6 +44,7 @@ def test_rule_and_best_policy_are_printed_side_by_side(
     assert policies["best"]["time_95_s"] == 20.0
 
 
+@pytest.mark.slow
 def test_check_says_what_beliefs_begin_with(handcart: Callable[..., Said], task: Callable[..., Path]) -> None:
     keys = "policy: expected_cost\nbelief: {{attempts: {}}}\n"
     said = handcart("check", task(FALSE_STEP, keys.format(1000)))
@@ -89,6 +90,7 @@ def test_a_run_and_its_explanation_follow_the_policy(
     assert handcart("explain", found["run_dir"]).status == 0
 
 
+@pytest.mark.slow
 def test_a_run_that_calls_a_person_at_once_ends_with_status_4(
     handcart: Callable[..., Said], task: Callable[..., Path], tmp_path: Path
 ) -> None:

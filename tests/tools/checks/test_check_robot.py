@@ -36,6 +36,7 @@ def test_programs_get_the_same(handcart: Callable[..., Said]) -> None:
     assert report["robot"]["links"][0] == {"name": "base", "mass_kg": 38.0, "faults": []}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", ["svg", "png"])
 def test_a_picture_is_drawn(handcart: Callable[..., Said], tmp_path: Path, ending: str) -> None:
     path = tmp_path / f"robot.{ending}"

@@ -70,6 +70,7 @@ def test_a_run_may_begin_elsewhere(handcart: Callable[..., Said], tour: Path) ->
     assert "did you mean 'at_shelf'?" in said.err
 
 
+@pytest.mark.slow
 def test_never_permits_nothing(handcart: Callable[..., Said], tour: Path, tmp_path: Path) -> None:
     tour.write_text(tour.read_text().replace("cost_s: 30,", "cost_s: 30, permit: operator,"))
     said = handcart("run", tour, "--permit", "never", "--runs", tmp_path / "runs")

@@ -147,6 +147,7 @@ def test_a_torn_journal_is_told_as_far_as_it_goes(
     assert "MODIFY" in said.out
 
 
+@pytest.mark.slow
 def test_a_damaged_journal_is_refused_with_its_place(
     handcart: Callable[..., Said], runs: Callable[[str], Path], tmp_path: Path
 ) -> None:

@@ -382,6 +382,7 @@ def test_a_journal_of_another_version_is_told(
     assert (said.status, "'handcart-journal/7'" in said.err) == (6, True)
 
 
+@pytest.mark.slow
 def test_a_path_that_is_no_folder_of_a_run(handcart: Callable[..., Said], tour: Path, tmp_path: Path) -> None:
     """A dangling link in place of the run's folder, and a path that is not UTF-8."""
     (tmp_path / "runs").mkdir()

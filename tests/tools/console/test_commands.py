@@ -65,6 +65,7 @@ def events(console: Served, count: int) -> list[dict[str, Any]]:
     return found
 
 
+@pytest.mark.slow
 def test_u8_everybody_sees_who_commands_and_what_was_said(console: Served) -> None:
     console.command(do="pause")
     (state,) = events(replace(console, tab="tab-2"), 1)

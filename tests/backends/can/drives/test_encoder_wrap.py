@@ -87,6 +87,7 @@ def test_position_range_inside_the_travel_is_refused_at_set_up(bench: Bench, ope
     assert {item.life.state for item in bench.drives.values()} == {"SWITCH ON DISABLED"}
 
 
+@pytest.mark.slow
 def test_wheel_that_says_where_it_wraps_rolls_on(bench: Bench, open_backend: Any) -> None:
     drive = bench.drives[LEFT]
     drive.objects[RANGE, 1], drive.objects[RANGE, 2] = 0, 2**18 - 1

@@ -209,6 +209,7 @@ def test_default_of_a_signed_object_has_its_sign(tmp_path: Path) -> None:
     assert dictionary[0x2102].default == -5
 
 
+@pytest.mark.slow
 def test_mutated_eds_gives_no_traceback(tmp_path: Path) -> None:
     robot = robot_with_eds(tmp_path)
     for seed in range(12):

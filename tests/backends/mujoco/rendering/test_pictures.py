@@ -73,6 +73,7 @@ def test_what_moves_moves_in_the_picture_as_well(make: Make) -> None:
     assert np.hypot(*(comes - was)) > 30.0
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("gl")
 def test_people_see_colours_and_shadows(make: Make) -> None:
     backend = make()
@@ -85,6 +86,7 @@ def test_people_see_colours_and_shadows(make: Make) -> None:
     assert np.percentile(floor, 95) > 1.4 * np.percentile(floor, 2)  # in the light, and under the table
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("gl")
 def test_looking_on_changes_nothing(make: Make) -> None:
     ended = []
@@ -110,6 +112,7 @@ def test_what_stands_still_is_drawn_once(make: Make) -> None:
     assert backend.view() is not first
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("gl")
 def test_who_draws_what_the_camera_sees_stands_in_the_worlds_file(make: Make) -> None:
     pictures: list[Any] = [make(more)._sensors["camera"] for more in ("", "camera: engine\n")]

@@ -69,6 +69,7 @@ def test_any_reading_becomes_a_range_or_none(limits: RangeSpec, readings: list[f
     assert not (read.blind() & (raw.ranges == np.inf) & ~limits.masked(raw.angles)).any()
 
 
+@pytest.mark.slow
 @given(SPECS, st.lists(READINGS, min_size=36, max_size=36))
 def test_a_read_scan_written_by_rep_117_reads_the_same(limits: RangeSpec, readings: list[float]) -> None:
     read = read_scan(Scan(limits.angles(), np.array(readings), MOUNT), limits, Footprint(FOOTPRINT))

@@ -44,6 +44,7 @@ def normalized_error(spec: RobotFile, seed: int, errors: OdometryErrors) -> floa
     return float(off @ np.linalg.solve(odometry.covariance, off))
 
 
+@pytest.mark.slow
 def test_the_covariance_of_a_sideways_drive_is_honest(spec: RobotFile) -> None:
     errors = odometry_errors(spec)
     found = [normalized_error(spec, seed, errors) for seed in range(30)]

@@ -43,6 +43,7 @@ def distance(one: Shape, pose: Transform, other: Shape, other_pose: Transform) -
     return float(pin.coal.distance(coal_body(one), here, coal_body(other), there, request, result))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, *(pytest.param(index, marks=pytest.mark.slow) for index in range(1, 3))])
 def test_both_say_of_1000_random_pairs_whether_they_touch(seed: int) -> None:
     rng, pairs = np.random.default_rng(seed), []

@@ -49,6 +49,7 @@ def test_covered_print_is_grey_until_it_is_drawn_on_another() -> None:
     assert np.array_equal(CarriedObject(np.eye(4), Rest.TABLE, spec).faces()["+x"], drawn)
 
 
+@pytest.mark.slow
 def test_person_sets_an_object_down_by_its_sigmas() -> None:
     from tests.primitives.objects.fetching import rig_with, scene_of
 

@@ -173,6 +173,7 @@ def test_a_resumed_run_is_published_where_it_goes_on(tmp_path: Path, monkeypatch
     assert "handcart/stop" in link.services and link.closed.is_set()
 
 
+@pytest.mark.slow
 def test_trouble_of_the_node_does_not_change_the_run(tmp_path: Path) -> None:
     class Broken(NotedLink):
         def spin(self, seconds: float) -> None:

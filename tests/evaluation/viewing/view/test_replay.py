@@ -45,6 +45,7 @@ def test_it_plays_to_the_end_and_stands_there(replay: Replay, toured: Path) -> N
     assert replay.time == pytest.approx(0.5), "from the end it begins anew"
 
 
+@pytest.mark.slow
 def test_the_panel_says_why_the_shown_action_was_chosen(replay: Replay) -> None:
     replay.go_to(1.0)
     replay.step(0.0)

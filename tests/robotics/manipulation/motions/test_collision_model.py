@@ -83,6 +83,7 @@ def test_other_shapes(arm: ArmModel, body: Cylinder | Sphere) -> None:
     assert CollisionModel(arm, [placed]).distance(STRETCHED) == pytest.approx(0.01, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_check_distance_and_contacts_agree(arm: ArmModel) -> None:
     """Also where coal, asked without margin, would call overlapping bodies free."""
     shelf = [Box(transform((0.6, -0.5 + 0.04 * k, 0.8)), (0.15, 0.03, 0.2), f"book_{k}") for k in range(25)]

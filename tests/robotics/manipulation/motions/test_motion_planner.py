@@ -104,6 +104,7 @@ def test_same_seed_same_path_in_any_process(arm: ArmModel) -> None:
     assert int(answers[0].split()[0]) > 2
 
 
+@pytest.mark.slow
 def test_same_seed_same_path_in_one_process(arm: ArmModel) -> None:
     digests = []
     for seed in (1, 2, 1, 1):

@@ -35,6 +35,7 @@ def nowhere(bases: FloatArray) -> BoolArray:
     return np.zeros(len(bases), dtype=bool)
 
 
+@pytest.mark.slow
 @given(st.floats(-3.0, 3.0), st.floats(-2.0, 2.0), st.floats(-3.1, 3.1))
 def test_a_base_is_level_with_the_tool_and_sees_it_where_it_is(x: float, y: float, heading: float) -> None:
     path, start = seam(), Pose2(x, y, heading)

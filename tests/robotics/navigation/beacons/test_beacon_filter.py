@@ -67,6 +67,7 @@ def test_biases_are_found_as_well_as_is_claimed(drives: list[BeaconDrive]) -> No
     assert 1.2 < np.mean(squares) < 6.0  # 3 on average
 
 
+@pytest.mark.slow
 def test_a_scale_of_all_ranges_is_found() -> None:
     """The scale is that of a lawn mower's radios, which measured 7 % too much."""
     drive = beacon_drive(3)
@@ -91,6 +92,7 @@ def test_claims_hold_where_a_bias_is_not_constant(world: BeaconWorld) -> None:
     assert np.mean(sure) > 5.0
 
 
+@pytest.mark.slow
 def test_a_beacon_that_was_carried_off_is_not_believed(drives: list[BeaconDrive]) -> None:
     """From the start on; the other two of three suffice with wheels and gyros."""
     drive = drives[0]
@@ -127,6 +129,7 @@ def test_where_the_claim_is_wrong_no_beacon_is_left_out(drives: list[BeaconDrive
     assert not all(trial.consistent)
 
 
+@pytest.mark.slow
 def test_a_beacon_that_is_hidden_for_a_while_is_believed_again(drives: list[BeaconDrive]) -> None:
     """Ranges by way of a wall are too long; five seconds of them leave nobody out."""
     drive = drives[2]

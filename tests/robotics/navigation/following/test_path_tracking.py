@@ -73,6 +73,7 @@ def test_stays_within_limits(reverse: bool) -> None:
     assert np.all(np.abs(np.diff(commands, axis=0, prepend=0.0)) <= np.array(limits[2:4]) * DT + 1e-9)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(
     st.tuples(st.floats(-0.25, 0.25), st.floats(-0.25, 0.25), st.floats(-math.pi, math.pi)),

@@ -82,6 +82,7 @@ def test_along_a_corridor_the_claim_covers_the_error(scan: Scan, angle: float, o
     assert 0.03 < sigma_along < 0.3
 
 
+@pytest.mark.slow
 def test_out_and_back_is_better_known_than_the_place(scan: Scan) -> None:
     """The wheels' error cancels: a Fail can be measured where the pose is not determined."""
     localizer, _ = drive(scan, 0.0, (12.0,), 0.02, seed=2)
@@ -104,6 +105,7 @@ def test_slip_beyond_what_is_claimed_is_learned(scan: Scan, slip: float, least: 
     assert least <= localizer.slip.factor <= most
 
 
+@pytest.mark.slow
 def test_a_radius_far_from_its_claim_is_doubted(scan: Scan) -> None:
     """The end wall, while it is seen, contradicts what is claimed of the wheels."""
     claimed = OdometryErrors(radius=0.002, tread=0.005, slip=0.01)

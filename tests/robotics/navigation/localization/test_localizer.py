@@ -59,6 +59,7 @@ def test_scans_hold_the_pose_among_unknown_boxes(
     assert math.sqrt(localizer.covariance[0, 0]) < 0.03
 
 
+@pytest.mark.slow
 def test_wheels_alone_drift_and_say_so(
     library: GridMap, library_boxes: Boxes, scan: Callable[..., np.ndarray]
 ) -> None:

@@ -33,6 +33,7 @@ def field_of(boxes: list[tuple[float, float, float, float, float]]) -> Likelihoo
     return LikelihoodField(from_boxes(boxes, 0.05, (-0.5, -0.5), SIZE))
 
 
+@pytest.mark.slow
 def test_a_hidden_pillar_decides_once_it_is_seen() -> None:
     """The robot is where the pillar is not; from its image, beams would pass through the pillar."""
     begun = Pose2(8.0 - HERE.x, 6.0 - HERE.y, HERE.theta - math.pi)
@@ -54,6 +55,7 @@ def test_the_image_of_a_symmetric_room_is_never_refuted() -> None:
         assert len(hypotheses.alive) == 2
 
 
+@pytest.mark.slow
 def test_the_same_view_again_is_no_further_evidence() -> None:
     """Unmapped things are seen again, too."""
     unmapped = [*TWINS, (4.5, 2.0, 0.0, 0.5, 0.5)]

@@ -6,6 +6,7 @@ import math
 from functools import cache
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -55,6 +56,7 @@ def assert_alike(claimed: FloatArray, sampled: FloatArray) -> None:
     assert np.abs((claimed - sampled) / size).max() < 0.25, (claimed, sampled)
 
 
+@pytest.mark.slow
 def test_covariances_are_those_of_many_noisy_graphs() -> None:
     claimed = covariances(np.array(TRUE), EXACT)
     for node in range(1, len(TRUE)):
@@ -89,6 +91,7 @@ def test_graph_does_not_depend_on_the_frame(x: float, y: float, heading: float, 
         assert frame.compose(Pose2(*one)).turn(Pose2(*other)) < 1e-4
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None)
 @given(seed=st.integers(0, 1000), far=st.floats(2.0, 30.0), direction=st.floats(-3.1, 3.1))
 def test_one_wrong_closure_does_not_move_the_graph(seed: int, far: float, direction: float) -> None:

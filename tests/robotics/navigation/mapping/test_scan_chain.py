@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from benchmarks.driving.box_ranges import box_ranges
 from handcart.robotics.geometry.pose2 import Pose2
@@ -43,10 +44,12 @@ def squared_error(seed: int, factor: float = 1.0) -> float:
     return float(np.einsum("ni,nij,nj->n", off, np.linalg.inv(claimed), off).mean())
 
 
+@pytest.mark.slow
 def test_claimed_errors_of_a_chain_are_never_too_small() -> None:
     """Nor much too large: a match with ten keyframes drifts less than ten independent ones (0.46)."""
     assert 0.6 < np.mean([squared_error(seed) for seed in range(6)]) < 3.0
 
 
+@pytest.mark.slow
 def test_claims_a_tenth_as_large_would_be_found_out() -> None:
     assert np.mean([squared_error(seed, 100.0) for seed in range(6)]) > 10.0

@@ -39,6 +39,7 @@ def test_distances_of_centres_are_exact(blocked: np.ndarray) -> None:
     assert np.allclose(blocked_squares(blocked).distance[1:-1, 1:-1], exact, atol=1e-6)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=150)
 @given(GRIDS, SHARES)
 def test_line_clearance_is_the_least_distance_along_it(

@@ -88,6 +88,7 @@ def test_a_wrong_start_heading_is_found_out(noise: FieldNoise, turn: float) -> N
     assert abs(localizer.pose.theta - log.drive.poses[-1, 2]) < 4 * math.sqrt(localizer.covariance[2, 2])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shift", [2.5, 5.0, 30.0])
 def test_reflection_is_rejected_and_its_effect_undone(shift: float) -> None:
     log = record_course(straight_course(4), REFERENCE_NOISE, 3)
@@ -120,6 +121,7 @@ def test_an_outage_is_bridged_and_the_covariance_says_so() -> None:
     assert final_error(quiet, GpsFilter(start_pose(quiet))) < 1.0
 
 
+@pytest.mark.slow
 def test_a_filter_that_is_beside_the_truth_believes_patient_fixes() -> None:
     log = record_course(straight_course(6), REFERENCE_NOISE, 5)
     log.fixes[:] += (30.0, -20.0)  # as from a start held for 36 m away from where it was

@@ -32,6 +32,7 @@ def test_without_errors_rough_ground_costs_nothing() -> None:
     assert true.turn(reckoned) < 1e-4
 
 
+@pytest.mark.slow
 def test_body_rates_taken_for_rates_of_angles_lose_the_heading() -> None:
     """What the paper's equations do on ground with 2.5 degrees of roughness, and what they should."""
     off: dict[bool, list[float]] = {euler: [] for euler in (True, False)}

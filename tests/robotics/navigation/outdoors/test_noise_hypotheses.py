@@ -78,6 +78,7 @@ def test_worlds_become_worse_and_never_better() -> None:
     assert localizer._becomes[0].tolist() == [1.0] + [0.0] * 11
 
 
+@pytest.mark.slow
 def test_fixes_that_come_late_are_found_to() -> None:
     log = record_course(straight_course(8), NOISE_WORLDS["delay"], 1)
     localizer = GpsFilter(start_pose(log))

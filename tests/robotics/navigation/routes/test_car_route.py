@@ -54,6 +54,7 @@ def test_it_keeps_away_from_what_stands_there() -> None:
         assert (np.hypot(*(discs[:, :2] - pose[:2]).T) - discs[:, 2]).min() > 0.7
 
 
+@pytest.mark.slow
 def test_where_no_way_leads_there_is_none() -> None:
     angle = np.linspace(0.0, 2.0 * math.pi, 8, endpoint=False)
     ring = np.column_stack([20.0 + 2.0 * np.cos(angle), 2.0 * np.sin(angle), np.full(8, 0.5)])

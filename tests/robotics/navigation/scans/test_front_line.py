@@ -27,6 +27,7 @@ def expected(pose: Pose2) -> np.ndarray:
     return pose.inverse().apply(SHELF)
 
 
+@pytest.mark.slow
 def test_accuracy_at_one_centimetre_of_noise() -> None:
     """A second and a half of scans at rest: 0.7 mm and 0.04 degrees, and deviations that say so."""
     rng = np.random.default_rng(0)

@@ -45,6 +45,7 @@ def test_a_wrong_start_is_corrected_where_the_map_tells(
     assert fit.other.turn(truth) < 0.01
 
 
+@pytest.mark.slow
 def test_a_right_start_among_unknown_boxes_is_kept(
     library_boxes: Boxes, library_field: LikelihoodField
 ) -> None:
@@ -63,6 +64,7 @@ def test_a_room_that_looks_alike_both_ways_leaves_it_open() -> None:
     assert not fit.is_sure
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("truth", "stated"),
     [

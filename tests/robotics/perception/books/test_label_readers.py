@@ -55,6 +55,7 @@ def test_every_label_in_view_is_read(bookshelf: Bookshelf, ocr: OcrLabelReader, 
         assert read[number].confidence > 0.9
 
 
+@pytest.mark.slow
 def test_reading_is_the_same_every_time(bookshelf: Bookshelf, ocr: OcrLabelReader) -> None:
     image, camera_T_shelf, _ = _view(bookshelf, 9, FONTS[1])
     first = ocr.read(image, bookshelf.camera, camera_T_shelf)

@@ -50,6 +50,7 @@ def _look(
     return find_spines(image, bookshelf.camera, believed, labels, mask), image, labels, believed
 
 
+@pytest.mark.slow
 def test_sides_of_spines_and_gaps_to_less_than_a_millimetre(
     bookshelf: Bookshelf, reader: OcrLabelReader
 ) -> None:

@@ -134,6 +134,7 @@ def test_nothing_seen_explains_nothing() -> None:
     assert look(marks, marks, HERE, [(1.0, 1.0)]) == []
 
 
+@pytest.mark.slow
 def test_what_is_believed_is_true_on_plans_of_any_kind() -> None:
     """Rows and grids, exact or not; one covered, one too many, looked at in parts. A mark too many that is
     seen alone is taken for a landmark: nothing speaks against it."""

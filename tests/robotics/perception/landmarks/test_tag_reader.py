@@ -43,6 +43,7 @@ def test_all_small_tags_in_view_are_read(bookshelf: Bookshelf, distance: float) 
     assert sorted(tag.id for tag in read_tags(image)) == sorted(number for number, _ in visible)
 
 
+@pytest.mark.slow
 def test_smeared_and_half_covered_tags_are_no_tags(bookshelf: Bookshelf) -> None:
     image, _, _ = _scene(bookshelf, 0.25, seed=4, smear=True)
     assert read_tags(image) == []
