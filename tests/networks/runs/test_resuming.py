@@ -137,7 +137,7 @@ def test_a_torn_record_may_have_been_the_start_of_the_next_action(run: Run) -> N
     assert past.standing.in_doubt["n"] == 2
     assert list(past.doubts()) == [
         "how far action 2, DRIVE from b, had come",
-        f"what record {past.last + 1}, which is damaged, told of it",
+        f"the content of record {past.last + 1}, which is damaged",
     ]
 
 
