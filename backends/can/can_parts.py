@@ -102,7 +102,7 @@ class CanParts:
 
 
 def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:
-    """Return the capabilities that the section `can` of a robot's file provides, by drives and sensors."""
+    """Return the capabilities of the drives and sensors that a robot's file lists in its section `can`."""
     spec = robot.can
     if spec is None:
         return ()

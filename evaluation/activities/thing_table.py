@@ -16,7 +16,7 @@ Positive = Annotated[float, Field(gt=0.0)]
 
 
 class CarriedEntry(FileModel):
-    """Size of a category of things that a hand can carry, standing upright."""
+    """Form, dimensions and mass of the things of a category that a hand can carry; the things are upright."""
 
     shape: Literal["box", "cylinder"] = "box"
     size_mm: tuple[Positive, Positive, Positive]

@@ -20,7 +20,7 @@ Carried = Callable[[str, Mapping[str, Any]], tuple[bool, str]]
 
 @dataclass
 class TreeMemory:
-    """Present situation and Fails of each action, which all behaviours of a task's tree share."""
+    """Present situation, and number of Fails of each action; all behaviours of a task's tree share them."""
 
     situation: str
     fails: dict[int, int] = field(default_factory=dict)

@@ -185,7 +185,10 @@ class Surveys:
         return {name: value for item in by_survey for name, value in item.items()}
 
     def faults(self) -> list[str]:
-        """Return a line with reasons for each survey that contradicts the Success of the complete run."""
+        """Return a line for each survey by which the simulated world is not as a Success of the run claims.
+
+        The line holds the survey's reasons.
+        """
         by_survey = [faults for _, faults in self._asked(lambda survey: survey.faults())]
         return ["; ".join(faults) for faults in by_survey if faults]
 

@@ -175,7 +175,8 @@ def likely_policy(network: ActionNetwork, chances: Chances, effort: Effort, star
 
     Args:
         network: the network.
-        chances: outcome probabilities of each action; None if it only skips an element of a repeat.
+        chances: outcome probabilities of each action; None for an action that only skips one of the elements
+            over which a part of the network is repeated.
         effort: budget; when it is spent, the states found so far are returned, as an incomplete policy.
         start: state in which the runs begin.
     """

@@ -13,7 +13,8 @@ from .network_picture import draw_network
 def to_mermaid(network: ActionNetwork, title: str = "") -> str:
     """Return the network as a Mermaid flowchart, with a box for each situation and an arrow for each action.
 
-    Dotted arrows lead to the situations after Fails, if the file names any. Repeated parts have a frame.
+    Dotted arrows lead to the situations after Fails, if the task file names any. A part of the network that
+    the file repeats for several elements has a frame.
     """
     folded = fold(network)
     number = _numbers(folded)

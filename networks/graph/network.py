@@ -314,7 +314,10 @@ class ActionNetwork:
 
     @cached_property
     def may_circle(self) -> bool:
-        """True if chance may lead a run in circles, by several results of a Success or unlimited attempts."""
+        """True if runs may return to the same situation by chance, as often as they like.
+
+        That is so if a Success may lead to several situations, or if an action may Fail any number of times.
+        """
         return any(action.others or action.unlimited for action in self.actions)
 
     def fingerprint(self) -> str:

@@ -84,7 +84,7 @@ class StartRecord(TypedDict):
 
 @with_config(_OPEN)
 class CauseWords(TypedDict):
-    """Reason why an attempt did not succeed."""
+    """Record of the reason why an attempt did not succeed, in words, as kind, and as what was measured."""
 
     reason: str
     kind: NotRequired[str]

@@ -76,7 +76,8 @@ class FixOnce:
             robot: robot that places the block.
             model: world model with the last fixation (pose of the base measured at a landmark).
             goal: pose of the placed block on the map.
-            swings_to_come: number of swings of the loaded arm that are still to turn the base.
+            swings_to_come: number of swings of the loaded arm until the block is placed; each turns the base
+                a little.
 
         Raises:
             Discrepancy: no landmark was seen from here.
@@ -110,7 +111,8 @@ class ByModel(FixOnce):
         Args:
             robot: the robot.
             fixed: the fixation (pose of the base measured at a landmark).
-            swings_to_come: number of swings of the loaded arm that are still to turn the base.
+            swings_to_come: number of swings of the loaded arm until the block is placed; each turns the base
+                a little.
         """
         return turn_by_model(robot, fixed.swings + swings_to_come).yaw
 

@@ -180,7 +180,11 @@ class PeopleWatch:
         return self._level > 1 or not len(self.people.radii)
 
     def try_less_room(self) -> None:
-        """Let the next route be planned with less distance to people; at the third attempt with none."""
+        """Let the next route be planned with less distance to people.
+
+        After a second call without `try_all_room` in between, people are ignored in planning; the base still
+        waits for them.
+        """
         self._level += 1
 
     def try_all_room(self) -> None:

@@ -195,7 +195,7 @@ class Section:
         return iter(())
 
     def companion(self, robot: Robot, place: str) -> Companion | None:
-        """Return the arm's motion while the base drives to a place of this domain, or None for no motion."""
+        """Return the arm's motion while the base drives to a place of this section, or None for no motion."""
         return None
 
     def contacts_on_the_way(self, place: str) -> Sequence[MeantContact]:

@@ -34,8 +34,9 @@ def explain(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
-    """Print, from a run's folder, why an action was chosen, why it failed, and how completely its changes
-    were undone.
+    """Print why a run chose an action, why the action failed, and whether it left everything as it was.
+
+    What it moved before its Fail is listed with the distance to where it was before.
     """
     import orjson
 

@@ -188,7 +188,7 @@ class Axis(canopen.RemoteNode):
         self._target = target
 
     def stand(self, position: float) -> None:
-        """Set the commanded and the expected position to `position` [m] or [rad], where the drive rests."""
+        """Set the commanded and the expected position, in [m] or [rad]; the drive must be at rest there."""
         self._target = position if self.positioned else 0.0
         self._sent = self.units.counts(position) if self.positioned else None
         self.expected.stand_at(position)

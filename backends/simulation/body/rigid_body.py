@@ -63,7 +63,8 @@ def meet(one: RigidBody, pose: Transform, other: RigidBody, other_pose: Transfor
         other_pose: (4, 4) pose of the second body, in the same frame.
 
     Returns:
-        The overlap in the common frame; `NO_MEETING` if the bodies do not touch.
+        The overlap: depth and contact point in [m], and a unit vector, in the common frame; `NO_MEETING` if
+            the bodies do not touch.
     """
     if not touch(one.judging, pose, other.judging, other_pose):
         return NO_MEETING

@@ -35,7 +35,7 @@ class TrueDepth(NamedTuple):
 
 
 class SimulatedDepthCamera(DepthCamera, SimulatedSensor):
-    """Depth camera that takes a picture from its true pose, on demand, once a period.
+    """Depth camera that takes a picture from its true pose when it is read, at most once a period.
 
     The pose that comes with the picture follows from the measured joints and the URDF. The true pose
     differs from it by the joints' errors, and by the mount's errors under `errors` of the camera's spec.

@@ -237,7 +237,7 @@ class Scene:
         self._carry_along()
 
     def lean_to(self, lean: tuple[float, float]) -> None:
-        """Tilt the base on its suspension by a roll and pitch in [rad], together with its load."""
+        """Set the base's roll and pitch on its suspension, in [rad]; what lies on the base tilts with it."""
         if lean != self.lean:
             self.lean = lean
             self._carry_along()

@@ -40,7 +40,10 @@ def repertoire(robot: str, settings: Mapping[str, str], backend: str) -> tuple[P
 
 
 def left_out(robot: str, settings: Mapping[str, str], backend: str) -> dict[Path, tuple[str, ...]]:
-    """Return the tasks that `repertoire` omits, with the keys of their worlds that the backend lacks."""
+    """Return the tasks that a robot could do if the backend simulated their worlds.
+
+    Each has the keys of its world's file that the backend does not simulate. `repertoire` omits these tasks.
+    """
     found = {path: lacking(path, backend) for path in _fitting(robot, settings, backend)}
     return {path: keys for path, keys in found.items() if keys}
 

@@ -6,7 +6,7 @@ It uses arro3, which takes 33 MB installed; pyarrow takes 170 MB.
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -38,7 +38,7 @@ Column = tuple[str, str, Callable[[Trial], Any]]
 """Name and type of a column, and its value in a trial; None where the trial has no value."""
 
 
-def write_parquet(trials: Iterable[Trial], path: Path) -> None:
+def write_parquet(trials: Collection[Trial], path: Path) -> None:
     """Write trials as Parquet, one row each, in their order.
 
     Metrics and varied numbers are columns `metrics.NAME` and `varied.NAME`; values that are not a
@@ -46,7 +46,7 @@ def write_parquet(trials: Iterable[Trial], path: Path) -> None:
     `injected` the faults that occurred.
 
     Args:
-        trials: the trials; they are iterated twice.
+        trials: the trials.
         path: path of the file.
 
     Raises:

@@ -132,7 +132,10 @@ class ObjectSurface(LevelPose):
 
     @property
     def outline(self) -> FloatArray:
-        """Corners (4, 2) of the surface with its walls on the map, counter-clockwise, in [m]."""
+        """Corners (4, 2) on the map of a rectangle around the surface and its own side walls, in [m].
+
+        They are in counter-clockwise order.
+        """
         return self.floor.apply(np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * self._half)
 
     def movable_area(self) -> MovableArea | None:

@@ -235,9 +235,10 @@ class Objects(Section):
         return surface if measured is None else surface.moved_to(measured)
 
     def walls_near(self, point: Pose2) -> list[Box]:
-        """Return boxes, posed on the map, for the map's obstacles around a point, without the surfaces.
+        """Return boxes, posed on the map, for the map's obstacles within `WALL_REACH_M` of a point.
 
-        The map doesn't show how high obstacles are: the boxes are higher than an arm reaches.
+        Furniture that is a surface of the objects file is left out. The map doesn't show how high obstacles
+        are: the boxes are higher than an arm reaches.
         """
         if self.shown is None:
             return []

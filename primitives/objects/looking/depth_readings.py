@@ -71,7 +71,9 @@ def standing(
     surface: ObjectSurface,
     kinds: Mapping[str, ObjectKind],
 ) -> list[Standing]:
-    """Return the things seen on a surface in all depth pictures that were taken from one place of the base.
+    """Return the things on a surface that the depth pictures from one place of the base show together.
+
+    Their points are merged, so a thing need not be in every picture.
 
     Args:
         views: pictures.

@@ -109,8 +109,9 @@ class ObjectLook:
             raise Discrepancy(str(broken), permanent=True, cause=causes.NOT_SEEN) from None
 
     def understand(self, robot: Robot, model: ModelView, surface: str) -> Periods:
-        """Find the things on a surface from all depth pictures so far, and keep them as `found`, in place of
-        earlier ones; without depth pictures, do nothing.
+        """Find the things on a surface from all depth pictures so far, and store them in `found`.
+
+        Things that an earlier call stored are replaced. Without depth pictures, nothing is done.
         """
         if self.depths:
             file, top = model.of(Objects).objects, base_T_top(robot, model, surface)

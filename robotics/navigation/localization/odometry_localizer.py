@@ -175,7 +175,7 @@ class OdometryLocalizer(Localizer):
         self._odometry.correct(pose, (np.eye(3) - gain) @ own)
 
     def find_again(self, points: FloatArray) -> bool:
-        """Return True if the base was moved at rest: its last two scans fit the map at different places.
+        """Return whether the base was moved while its wheels stood: its last two scans fit at two places.
 
         The motion between these places is added to the pose.
 

@@ -29,7 +29,7 @@ TOUCHING_CELLS = 1e-6  # [cells]: nearer than this, a line touches a square
 class BlockedSquares(NamedTuple):
     """Tables of a map's blocked cells, for fast distance queries; everything beyond the map is blocked.
 
-    All three arrays are one cell larger than the map on every side.
+    The arrays `above`, `below` and `distance` are one cell larger than the map on every side.
     """
 
     above: Int16Array | Int32Array

@@ -16,7 +16,7 @@ CELLS_PER_STEP = 32
 
 
 class ExpectedEchoes(NamedTuple):
-    """Expected echo of each beam of a scan."""
+    """Cell of the map at which each beam of a lidar should end, and its range, for a pose of the lidar."""
 
     met: BoolArray
     """(n,) whether it meets an occupied cell of the map within reach."""

@@ -168,7 +168,7 @@ def rises(
     lever: FloatArray,
     scale: float,
 ) -> FloatArray:
-    """Return by how much the matching cost of a scan rises when the scan is shifted forth and back.
+    """Return how much the matching cost of a scan rises for a shift, plus for the opposite shift.
 
     Args:
         rays: (k, 2) unit vectors on the map.
