@@ -160,14 +160,6 @@ class Supervision:
         Raises:
             Interrupted: the attempt was stopped; the robot holds where it is.
         """
-        try:
-            return (yield from self._to_its_end(attempt, time_out, late))
-        finally:
-            self.running = None
-
-    def _to_its_end(
-        self, attempt: Attempt, time_out: float | None, late: str
-    ) -> Generator[None, None, Outcome | NotStarted]:
         latest = math.inf if time_out is None else self._robot.time + time_out
         try:
             next(attempt)
@@ -186,6 +178,8 @@ class Supervision:
         except StopIteration as end:
             ended: Outcome = end.value
             return ended
+        finally:
+            self.running = None
 
     def between_actions(self) -> None:
         """Follow requests while no action runs; a requested pause waits until the next action has started.
@@ -195,6 +189,8 @@ class Supervision:
         """
         if self._after_restoring is not None:
             raise Interrupted(_ENDING[self._after_restoring])
+        if self._stop is None and not self._requests:
+            return
         self._drop_late()
         stop = [] if self._stop is None else [self._stop]
         waiting = [(pending_request.what, pending_request.time) for pending_request in self._requests]

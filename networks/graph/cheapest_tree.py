@@ -38,7 +38,7 @@ class CheapestTree:
         back: list[list[tuple[int, float, int]]] = [[] for _ in ways]
         for here, out in enumerate(ways):
             for to, edges in out:
-                best = min(edges, key=lambda index: (base[index], index))
+                best = edges[0] if len(edges) == 1 else min(edges, key=lambda index: (base[index], index))
                 back[to].append((here, base[best], best))
         left, done, order = self.left, [False] * len(ways), []
         left[goal] = 0.0

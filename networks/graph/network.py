@@ -205,7 +205,8 @@ class Action:
 
     def target_of(self, result: str) -> str:
         """Return the situation after a Success with a given result; `target` if the result is unknown."""
-        return next((other.target for other in self.others if other.result == result), self.target)
+        found = (other.target for other in self.others if other.result == result)
+        return next(found, self.target) if self.others else self.target
 
     @property
     def do(self) -> str:

@@ -46,10 +46,7 @@ class PlanSearch:
         self._names = tuple(network.situations)
         self._goal = self._place[network.goal if goal is None else goal]
         self._base = [SKIP_WEIGHT if a.binding is None else a.cost_s for a in network.actions]
-        self._ways: list[list[tuple[int, tuple[int, ...]]]] = [
-            [(self._place[to], tuple(edges)) for to, edges in network.graph[name].items()]
-            for name in network.situations
-        ]
+        self._ways = self._joined_ways()
         self._tree = CheapestTree(self._ways, self._base, self._goal)
         self._doubled: dict[tuple[int, int], dict[int, float]] = {}
         """Weights of the actions of a counter of Fails, by counter and count."""
@@ -58,6 +55,15 @@ class PlanSearch:
         self._hopes: list[list[tuple[int, int, int]]] | None = None
         self.steps = 0
         """Number of situations that the last search visited."""
+
+    def _joined_ways(self) -> list[list[tuple[int, tuple[int, ...]]]]:
+        """Return the ways out of each situation, in the order of the network's graph."""
+        place = self._place
+        found: list[dict[int, tuple[int, ...]]] = [{} for _ in place]
+        for action in self._actions:
+            out, to = found[place[action.source]], place[action.target]
+            out[to] = (*out[to], action.index) if to in out else (action.index,)
+        return [list(out.items()) for out in found]
 
     def plan(
         self, situation: str, fails: Mapping[int, int], without: Iterable[int] = ()
@@ -95,16 +101,26 @@ class PlanSearch:
         """Return the cheapest route while nothing has failed; None if another one costs the same, or none
         is left.
         """
-        left, found = self._tree.left, list[Action]()
+        left, found, ways, base, cheapest = self._tree.left, list[int](), self._ways, self._base, self._cheap
         while here != self._goal:
-            most, near = left[here] * (1.0 + _SLACK), list[tuple[int, tuple[int, ...]]]()
-            if most < math.inf:
-                near = [way for way in self._ways[here] if self._weight(way[1], {}) + left[way[0]] <= most]
-            if len(near) != 1:
+            most, to, action = left[here] * (1.0 + _SLACK), -1, -1
+            if most == math.inf:
                 return None
-            here, edges = near[0]
-            found.append(self._actions[min(edges, key=lambda index: (self._base[index], index))])
-        return found
+            for target, edges in ways[here]:
+                index = edges[0] if len(edges) == 1 else cheapest(edges)
+                if base[index] + left[target] <= most:
+                    if action >= 0:
+                        return None
+                    to, action = target, index
+            if action < 0:
+                return None
+            found.append(action)
+            here = to
+        return [self._actions[index] for index in found]
+
+    def _cheap(self, edges: Sequence[int]) -> int:
+        """Return the cheapest of some actions while nothing has failed, of several the first."""
+        return min(edges, key=lambda index: (self._base[index], index))
 
     def segment(self, situation: str, fails: Mapping[int, int]) -> Segment | None:
         """Return the first actions of the cheapest route; None if no route leads to the goal.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import fcntl
+import math
 import os
 import time
 from collections.abc import Callable, Mapping
@@ -47,6 +48,9 @@ class Journal:
     checksums. It is a context manager, which closes the file at its end.
     """
 
+    _time_s, _rounded_s = math.nan, math.nan
+    """Time of the last record, and the same as it is written, in [s]."""
+
     def __init__(self, path: Path, sync: Sync = "never", clock: Callable[[], float] = time.time) -> None:
         """Create `path`, which must not exist, readable by its owner alone.
 
@@ -58,7 +62,7 @@ class Journal:
         Raises:
             JournalError: it cannot be created, or is locked by another process.
         """
-        self.path = path
+        self.path, self._name = path, str(path)
         self._clock = clock
         self._next = 0
         self._last = FIRST_CHECKSUM
@@ -96,7 +100,8 @@ class Journal:
             RunAlive: another process writes it.
         """
         self = cls.__new__(cls)
-        self.path, self._clock, self._poisoned = path, clock, None
+        self.path, self._name = path, str(path)
+        self._clock, self._poisoned = clock, None
         self._next = len(contents.records)
         self._last = contents.records[-1]["h"] if contents.records else FIRST_CHECKSUM
         try:
@@ -130,7 +135,12 @@ class Journal:
         os.fsync(self._file)
 
     def append(
-        self, kind: str, time_s: float, fields: Mapping[str, Any], wall: Mapping[str, Any] = _NOTHING
+        self,
+        kind: str,
+        time_s: float,
+        fields: Mapping[str, Any],
+        wall: Mapping[str, Any] = _NOTHING,
+        is_followed: bool = False,
     ) -> int:
         """Write one record.
 
@@ -142,6 +152,8 @@ class Journal:
             time_s: the robot's time, in [s].
             fields: the other fields: JSON values, numpy arrays, paths and models.
             wall: further fields that differ between runs of one seed, kept outside the chain of checksums.
+            is_followed: True if nothing is acted on before another record is written. Whether the file was
+                replaced is then checked with that record alone.
 
         Returns:
             The record's number, from 0.
@@ -151,15 +163,14 @@ class Journal:
         """
         number = self._next
         try:
-            body = orjson.dumps(
-                {"q": number, "p": self._last, "t": round(time_s, 6), "kind": kind, **fields},
-                default=_plain,
-                option=_OPTIONS,
-            )
+            if time_s != self._time_s:
+                self._time_s, self._rounded_s = time_s, round(time_s, 6)
+            record = {"q": number, "p": self._last, "t": self._rounded_s, "kind": kind, **fields}
+            body = orjson.dumps(record, _plain, _OPTIONS)
         except TypeError as error:
             raise self._poison(f"record {number} ({kind}) is not valid JSON: {error}") from None
         line, checksum = seal(body, {"unix_s": round(self._clock(), 6), **wall})
-        self._write(line)
+        self._write(line, is_followed)
         self._next, self._last = number + 1, checksum
         return number
 
@@ -197,26 +208,27 @@ class Journal:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _write(self, line: bytes) -> None:
+    def _write(self, line: bytes, is_followed: bool) -> None:
         if self._poisoned:
             raise JournalError(self.path, self._poisoned)
         try:
-            if _identity(os.stat(self.path)) != self._identity:
+            if not is_followed and _identity(os.stat(self._name)) != self._identity:
                 raise self._poison("was replaced while it was written")
-            self._write_whole(line)
+            if os.write(self._file, line) != len(line):
+                self._write_again(line)
             if self._disk is not None:
                 self._disk.ask()
         except OSError as error:
             raise self._poison(f"can't be written: {error.strerror}") from None
         self._size += len(line)
 
-    def _write_whole(self, line: bytes) -> None:
-        for _ in range(2):
-            if os.write(self._file, line) == len(line):
-                return
-            # Left as it is, the torn record would end up inside.
+    def _write_again(self, line: bytes) -> None:
+        """Write a record once more, of which only a part was written."""
+        # Left as it is, the torn record would end up inside.
+        os.ftruncate(self._file, self._size)
+        if os.write(self._file, line) != len(line):
             os.ftruncate(self._file, self._size)
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     def _poison(self, reason: str) -> JournalError:
         self._poisoned = reason

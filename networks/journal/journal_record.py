@@ -52,8 +52,8 @@ def seal(body: bytes, wall: Mapping[str, Any]) -> tuple[bytes, str]:
             a checksum of their own, which the next record does not contain.
     """
     checksum = blake2b(body, digest_size=12).hexdigest()
-    head = b'%b,"h":"%b","wall":%b' % (body[:-1], checksum.encode(), orjson.dumps(wall)[:-1])
-    return b'%b,"crc":"%08x"}}\n' % (head, zlib.crc32(head)), checksum
+    head = body[:-1] + b',"h":"' + checksum.encode() + b'","wall":' + orjson.dumps(wall)[:-1]
+    return head + b',"crc":"%08x"}}\n' % zlib.crc32(head), checksum
 
 
 def without_wall(record: dict[str, Any]) -> dict[str, Any]:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, cast
-
-import orjson
+from typing import Any
 
 from handcart.backends.robot.robot import Robot
 from handcart.networks.events.events import (
@@ -99,7 +97,7 @@ class RunLog(Intents):
         self.started += 1
         self.open = True
         if self._journal is not None:
-            record = records.StartRecord(n=self.started, action=self._words(action, primitive))
+            record: records.StartRecord = {"n": self.started, "action": self._words(action, primitive)}
             if at is not None:
                 record["at"] = measured_fields(at)
             self._write("START", record)
@@ -148,7 +146,8 @@ class RunLog(Intents):
         after = "" if self._journal is None else self._journal.last
         kept = None if self._keep is None else self._keep(record, after)
         # Outside the chain: a physics engine's state is not the same bytes in two runs of one seed.
-        self._write("RESULT", record, {} if kept is None else {"checkpoint": kept})
+        # Nothing is acted on before the next record, such as START or END.
+        self._write("RESULT", record, _NOTHING if kept is None else {"checkpoint": kept}, is_followed=True)
 
     def result_kept(self, action: Action, primitive: ActionPrimitive, outcome: Outcome) -> None:
         """Notify the observers of a result that is safely in the journal."""
@@ -214,7 +213,7 @@ class RunLog(Intents):
         self._tell(lambda: RunEnded(self._robot.time, end))
 
     def _words(self, action: Action, primitive: ActionPrimitive) -> records.ActionWords:
-        """Return the journal's fields of an action; encoded only once if nothing in them changes."""
+        """Return the journal's fields of an action; made only once if nothing in them changes."""
         if action.index in self._said:
             return self._said[action.index]
         words: records.ActionWords = {
@@ -225,12 +224,18 @@ class RunLog(Intents):
             "with": primitive.model_dump(mode="json"),
         }
         if action.binding is None or not action.binding.late:
-            self._said[action.index] = cast(Any, orjson.Fragment(orjson.dumps(words)))
+            self._said[action.index] = words
         return words
 
-    def _write(self, kind: str, fields: Mapping[str, object], wall: Mapping[str, Any] = _NOTHING) -> None:
+    def _write(
+        self,
+        kind: str,
+        fields: Mapping[str, object],
+        wall: Mapping[str, Any] = _NOTHING,
+        is_followed: bool = False,
+    ) -> None:
         if self._journal is not None:
-            self._journal.append(kind, self._robot.time, fields, wall)
+            self._journal.append(kind, self._robot.time, fields, wall, is_followed)
 
     def _tell(self, event: Callable[[], Event]) -> None:
         if self._observers:
@@ -248,7 +253,7 @@ def outcome_record(number: int, outcome: Outcome) -> records.Result:
     """
     match outcome:
         case Success(evidence, result):
-            succeeded = records.Succeeded(n=number, outcome="Success")
+            succeeded: records.Succeeded = {"n": number, "outcome": "Success"}
             if result:
                 succeeded["result"] = result
             if evidence:

@@ -14,6 +14,7 @@ from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.files.models.model import FileModel
+from handcart.files.models.private_defaults import replace_private_defaults
 from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.outcomes import causes
@@ -80,6 +81,12 @@ class ActionPrimitive(FileModel, ABC):
                 return object.__getattribute__(self, "__pydantic_private__")[name]
             except (AttributeError, KeyError, TypeError):
                 return super().__getattr__(name)
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **options: Any) -> None:
+        """Let instances of a new subclass set the defaults of their private attributes fast."""
+        super().__pydantic_init_subclass__(**options)
+        replace_private_defaults(cls)
 
     @classmethod
     def label(cls) -> str:
@@ -238,9 +245,11 @@ class ActionPrimitive(FileModel, ABC):
     @property
     def evidence(self) -> Evidence:
         """Findings of this attempt, with the pictures and scans that decided it."""
-        return self._evidence
+        # Looked up directly: `_evidence` takes a failing look-up in the class first.
+        found: Evidence = (self.__pydantic_private__ or {})["_evidence"]
+        return found
 
     @property
     def facts(self) -> Mapping[str, float | str]:
         """Findings of this attempt, as numbers and texts by their names."""
-        return self._evidence.facts
+        return self.evidence.facts

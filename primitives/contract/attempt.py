@@ -72,9 +72,9 @@ def attempt(
         intents: receiver of the primitive's announcements; no command is sent before they are stored.
         patience: limits on repeating the restoring if a fault breaks it off.
     """
-    view = model.view(primitive)
     if primitive.only_knowledge:
         return (yield from _think(primitive, robot, model))
+    view = model.view(primitive)
     primitive._intents, displaced = intents, robot.localization.displacements
     try:
         while not intents.kept:

@@ -11,6 +11,9 @@ from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.preconditions.hand_use import Hand
 from handcart.primitives.restoring.snapshot import is_holding
 
+_BASE = ActionPrimitive
+"""Class whose methods require nothing by themselves."""
+
 
 def find_unmet(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> str:
     """Return a message about an unmet precondition of a primitive; empty if all are met.
@@ -22,13 +25,16 @@ def find_unmet(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> s
         robot: the robot, at rest.
         model: world model.
     """
-    own = primitive.unmet_precondition
-    return (
-        _unmet_by_pose(primitive, robot)
-        or _unmet_by_hand(primitive, robot, model)
-        or _unmet_by_arm(primitive, robot)
-        or own(robot, model.view(primitive))
-    )
+    kind = type(primitive)
+    if unmet := _unmet_by_pose(primitive, robot):
+        return unmet
+    if not (kind.hand_use is _BASE.hand_use and kind.usual_hand_use().before is Hand.ANY):
+        unmet = _unmet_by_hand(primitive, robot, model)
+    if not (unmet or (kind.needs_arm_inside is _BASE.needs_arm_inside and not kind.arm_inside)):
+        unmet = _unmet_by_arm(primitive, robot)
+    if unmet or kind.unmet_precondition is _BASE.unmet_precondition:
+        return unmet
+    return primitive.unmet_precondition(robot, model.view(primitive))
 
 
 def note_hand(primitive: ActionPrimitive, model: WorldModel) -> None:

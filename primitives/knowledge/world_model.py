@@ -308,6 +308,8 @@ class WorldModel:
     def taken_changes(self) -> dict[str, Any]:
         """Return the knowledge learned or cleared since the last call, ready for JSON."""
         now = self._now()
+        if now == self._noted:
+            return {}
         changes = {name: value for name, value in now.items() if value != self._noted.get(name)}
         self._noted = now
         return changes
@@ -315,7 +317,7 @@ class WorldModel:
     def _now(self) -> dict[str, Any]:
         now: dict[str, Any] = {
             "obstacles": len(self.obstacles),
-            "bumps": self.bumps.round(4).tolist(),
+            "bumps": self.bumps.round(4).tolist() if self.bumps.size else [],
             "detour": self.detour.points.round(4).tolist() if self.detour else None,
             "in_hand": self.in_hand,
         }

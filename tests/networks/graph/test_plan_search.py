@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 
+import networkx as nx
 import pytest
 
 from benchmarks.analysis import network
@@ -38,6 +40,34 @@ def test_it_plans_what_the_planner_plans(seed: int) -> None:
         for name in names:
             plan = planner.plan(name)
             assert search.plan(name, fails) == (plan.actions if isinstance(plan, Plan) else None)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_routes_are_those_of_networkx(seed: int) -> None:
+    """Of equally cheap routes it is the same one; several actions lead from one situation to another."""
+    rng = random.Random(seed)
+    names = [f"s{i}" for i in range(8)]
+    bound = network("chain", 3).actions[0].binding
+    pairs = [tuple(rng.sample(names, 2)) for _ in range(26)]
+    actions = [Action(a, b, bound, float(rng.randint(1, 1 + seed % 9)), 2) for a, b in pairs]
+    net = ActionNetwork.build(map(Situation, names), actions, "s0", "s7")
+    for fails in ({}, {rng.randrange(26): 1 for _ in range(6)}):
+        cost = {a.index: a.cost_s * 2 ** fails.get(a.index, 0) for a in net.actions}
+        graph: nx.DiGraph[str] = nx.DiGraph()
+        graph.add_nodes_from(names)
+        for action in net.actions:
+            known = graph.get_edge_data(action.source, action.target, {"action": action.index})["action"]
+            best = min(known, action.index, key=lambda index: (cost[index], index))
+            graph.add_edge(action.source, action.target, action=best, weight=cost[best])
+        search = PlanSearch(net)
+        for name in names:
+            try:
+                route = nx.dijkstra_path(graph, name, "s7")
+            except nx.NetworkXNoPath:
+                assert search.plan(name, fails) is None
+                continue
+            edges = [graph[a][b]["action"] for a, b in itertools.pairwise(route)]
+            assert [action.index for action in search.plan(name, fails) or ()] == edges
 
 
 def test_what_is_too_much_is_told_and_is_the_same_each_time() -> None:

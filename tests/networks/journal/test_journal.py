@@ -212,6 +212,16 @@ def test_replaced_file(tmp_path: Path) -> None:
             journal.append("TWO", 0.0, {})
 
 
+def test_replaced_file_is_found_by_the_record_that_follows(tmp_path: Path) -> None:
+    path = tmp_path / "j.jsonl"
+    with Journal(path) as journal:
+        path.rename(tmp_path / "away")
+        path.write_bytes(b"")
+        journal.append("RESULT", 0.0, {}, is_followed=True)
+        with pytest.raises(JournalError, match="replaced"):
+            journal.append("START", 0.0, {})
+
+
 def test_what_is_no_json(tmp_path: Path) -> None:
     with Journal(tmp_path / "j.jsonl") as journal, pytest.raises(JournalError, match="not valid JSON"):
         journal.append("ONE", 0.0, {"thing": object()})

@@ -15,7 +15,7 @@ import pytest
 from handcart.networks.events.events import Ended, Event, Restoring, Started
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.journal.journal import Journal, plain_json
-from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.journal.journal_record import JournalError, read_journal
 from handcart.networks.journal.measured import measure, measured_fields, snapshot_of
 from handcart.networks.journal.retracing import NeedsOperator, standing
 from handcart.networks.journal.run_log import RunLog, outcome_record
@@ -184,6 +184,20 @@ def test_a_result_is_kept_before_it_is_journaled_and_told_after(stand: Stand, tm
     assert isinstance(events[0], Started)
     assert isinstance(events[2], Ended)
     assert (events[0].number, events[0].fails, events[2].number) == (1, 2, 1)
+
+
+def test_no_action_starts_once_the_journal_was_replaced(stand: Stand, tmp_path: Path) -> None:
+    """The record of the result before it need not notice."""
+    path, primitive = tmp_path / "j", stand.Think(name="x")
+    action = Action("a", "z", Binding.of(primitive), index=0)
+    with Journal(path) as journal:
+        log = RunLog(stand.robot, stand.model, journal, ())
+        log.start(action, primitive, 0)
+        path.rename(tmp_path / "away")
+        path.write_bytes(b"")
+        log.result(primitive, Success())
+        with pytest.raises(JournalError, match="replaced"):
+            log.start(action, primitive, 0)
 
 
 def test_a_plan_that_a_fault_prevents_is_told_with_its_trace(stand: Stand, tmp_path: Path) -> None:

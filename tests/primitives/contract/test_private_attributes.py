@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 from pydantic import PrivateAttr
+from pydantic._internal._model_construction import init_private_attributes
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
@@ -34,6 +35,36 @@ def test_each_has_its_own() -> None:
     one._where.append("here")
     assert (one._done, one._where, one.times) == (1, ["here"], 2)
     assert (other._done, other._where, other.times) == (0, [], 3)
+
+
+class Counted(Waves):
+    """Sets one of its own after pydantic."""
+
+    _limits: dict[str, list[int]] = PrivateAttr(default={"x": [1]})
+    _late: str = PrivateAttr()
+    _all: int = PrivateAttr(default=0)
+
+    def model_post_init(self, context: Any, /) -> None:
+        """Add what is known only then."""
+        super().model_post_init(context)
+        self._all = self.times + len(self._limits)
+
+
+class Further(Counted):
+    """Inherits all of them."""
+
+
+@pytest.mark.parametrize("kind", [Waves, Counted, Further])
+def test_private_defaults_are_those_of_pydantic(kind: type[Waves]) -> None:
+    ours, theirs = kind(times=5), kind(times=5)
+    object.__setattr__(theirs, "__pydantic_private__", None)
+    init_private_attributes(theirs, None)
+    known = dict(ours.__pydantic_private__ or {})
+    if isinstance(ours, Counted):
+        assert known.pop("_all") == 6
+        assert known["_limits"] is not kind(times=5)._limits  # type: ignore[attr-defined]
+        assert "_late" not in known
+    assert {name: (theirs.__pydantic_private__ or {})[name] for name in known} == known
 
 
 def test_a_copy_takes_them_along() -> None:
