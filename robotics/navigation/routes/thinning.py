@@ -65,7 +65,7 @@ def neighbour_steps(width: int) -> IntArray:
 
 def _nearest_first(distance: SingleArray, free: ByteArray, levels: int) -> Int32Array:
     """Return flat indices (n,) of the free cells by growing distance, ties in raster order."""
-    cells = np.flatnonzero(free).astype(np.int32)
+    cells = np.flatnonzero(free.view(np.bool_)).astype(np.int32)  # numpy finds ones of booleans faster
     # NumPy sorts numbers of 16 bits in one pass.
     kind = np.uint16 if levels <= np.iinfo(np.uint16).max else np.int64
     level = (distance[cells].astype(np.float64) * LEVELS_PER_CELL).astype(kind)

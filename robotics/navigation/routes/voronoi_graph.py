@@ -188,13 +188,17 @@ def _component(free: BoolArray, grid: GridMap, seed_point: tuple[float, float] |
     """Return a mask of the largest component of the padded free cells, or that nearest to a seed point."""
     if not free.any():
         raise ValueError("no free cell is left after growing the obstacles by the robot's radius")
-    _, labels, stats, _ = cv2.connectedComponentsWithStats(free.view(np.uint8), connectivity=8)
     if seed_point is None:
+        _, labels, stats, _ = cv2.connectedComponentsWithStats(free.view(np.uint8), connectivity=8)
         return np.asarray(labels == 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA])))
-    row, column = grid.to_cell(np.array([seed_point]))[0] + 1
-    rows, columns = np.nonzero(free)
-    nearest = int(np.argmin((rows - row) ** 2 + (columns - column) ** 2))
-    return np.asarray(labels == labels[rows[nearest], columns[nearest]])
+    _, labels = cv2.connectedComponents(free.view(np.uint8), connectivity=8)
+    row, column = (grid.to_cell(np.array([seed_point]))[0] + 1).tolist()
+    is_inside = 0 <= row < free.shape[0] and 0 <= column < free.shape[1]
+    if not is_inside or not free[row, column]:
+        rows, columns = np.nonzero(free)
+        nearest = int(np.argmin((rows - row) ** 2 + (columns - column) ** 2))
+        row, column = rows[nearest], columns[nearest]
+    return np.asarray(labels == labels[row, column])
 
 
 def _network(grid: GridMap, table: EdgeTable, clearance: SingleArray) -> nx.MultiGraph:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
@@ -13,7 +15,8 @@ FREE_MARGIN_M = 0.15  # by which a beam has to have passed a point
 BEAMS_BESIDE = 1  # beams on each side that have to have passed it as well
 
 
-class PastScan(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class PastScan:
     """A past scan with its time and the pose of the lidar."""
 
     time: float
@@ -23,6 +26,31 @@ class PastScan(NamedTuple):
     """(n,) in [rad], ascending and evenly spaced, in the sensor frame."""
     ranges: FloatArray
     """(n,) in [m]; infinity without an echo, NaN where nothing is known."""
+    _clear: dict[float, FloatArray] = field(default_factory=dict, init=False, repr=False)
+
+    @cached_property
+    def spacing(self) -> float:
+        """Angle between neighbouring beams, in [rad]."""
+        return float((self.angles[-1] - self.angles[0]) / (len(self.angles) - 1))
+
+    @cached_property
+    def goes_round(self) -> bool:
+        """True if the first beam is the next one after the last."""
+        return len(self.angles) * self.spacing > 2.0 * np.pi - 1.5 * self.spacing
+
+    def clear(self, reach: float) -> FloatArray:
+        """Return the length (n,) in [m] that each beam and its neighbours on both sides have passed.
+
+        Args:
+            reach: distance in [m] up to which a beam without an echo counts as free.
+        """
+        if reach not in self._clear:
+            known = np.isfinite(self.ranges) | np.isposinf(self.ranges)
+            lengths = np.where(known, np.minimum(self.ranges, reach), 0.0)
+            border = {"mode": "wrap"} if self.goes_round else {"mode": "constant", "constant_values": 0.0}
+            padded = np.pad(lengths, BEAMS_BESIDE, **border)
+            self._clear[reach] = sliding_window_view(padded, 2 * BEAMS_BESIDE + 1).min(axis=1)
+        return self._clear[reach]
 
 
 def seen_free(points: FloatArray, past: PastScan, reach: float) -> BoolArray:
@@ -38,18 +66,11 @@ def seen_free(points: FloatArray, past: PastScan, reach: float) -> BoolArray:
     if not len(points) or len(past.angles) < 2 * BEAMS_BESIDE + 2:
         return np.zeros(len(points), dtype=np.bool_)
     rays = points - np.array(past.map_T_sensor[:2])
-    away = np.hypot(*rays.T)
-    first, spacing = past.angles[0], (past.angles[-1] - past.angles[0]) / (len(past.angles) - 1)
-    turned = np.arctan2(rays[:, 1], rays[:, 0]) - past.map_T_sensor.theta - first
-    index = np.round(np.mod(turned, 2.0 * np.pi) / spacing).astype(np.int64)
-    goes_round = len(past.angles) * spacing > 2.0 * np.pi - 1.5 * spacing
-    known = np.isfinite(past.ranges) | np.isposinf(past.ranges)
-    lengths = np.where(known, np.minimum(past.ranges, reach), 0.0)
-    free = np.ones(len(points), dtype=np.bool_)
-    for beside in range(-BEAMS_BESIDE, BEAMS_BESIDE + 1):
-        beam = index + beside
-        if goes_round:
-            beam = np.mod(beam, len(lengths))
-        inside = (beam >= 0) & (beam < len(lengths))
-        free &= inside & (lengths[np.where(inside, beam, 0)] > away + FREE_MARGIN_M)
-    return free
+    turned = np.arctan2(rays[:, 1], rays[:, 0]) - past.map_T_sensor.theta - past.angles[0]
+    beam = np.round(np.mod(turned, 2.0 * np.pi) / past.spacing).astype(np.int64)
+    clear = past.clear(reach)
+    if past.goes_round:
+        beam %= len(clear)
+    inside = beam < len(clear)
+    passed = np.where(inside, clear[np.where(inside, beam, 0)], 0.0)
+    return np.asarray(passed > np.hypot(rays[:, 0], rays[:, 1]) + FREE_MARGIN_M)
