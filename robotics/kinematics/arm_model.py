@@ -12,6 +12,7 @@ from handcart.robotics.kinematics.coal_bodies import hull_of_mesh, meshes, shape
 from handcart.robotics.kinematics.following_joints import following
 from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.shapes import Shape
+from handcart.robotics.kinematics.tip_descent import TipScrews, descend, nearest_of_groups, tip_screws
 from handcart.robotics.kinematics.urdf_mounts import joints_above
 from handcart.robotics.kinematics.urdf_reading import known_urdf
 from handcart.robotics.kinematics.urdf_tree import followers_of, urdf_of_arm
@@ -220,7 +221,7 @@ class ArmModel:
             restarts: number of random starts that follow, those closest to `near` first.
             seed: seed of the random starts.
         """
-        target, found = self._root_T_base * pin.SE3(base_T_tip), list[FloatArray]()
+        target, found = self._root_T_base.homogeneous @ base_T_tip, list[FloatArray]()
         for start in self._all_starts(target, near, restarts, seed):
             q = self._descend(target, start)
             q = None if q is None else self.nearest(q, near)
@@ -229,7 +230,7 @@ class ArmModel:
                 yield q
 
     def _all_starts(
-        self, root_T_target: pin.SE3, near: FloatArray, restarts: int, seed: int
+        self, root_T_target: FloatArray, near: FloatArray, restarts: int, seed: int
     ) -> Iterator[FloatArray]:
         yield self.clipped(near)
         drawn = self._starts(root_T_target, near, restarts, np.random.default_rng(seed)) if restarts else []
@@ -344,56 +345,37 @@ class ArmModel:
             raise ValueError(f"link {frame.name!r} can't be the base: the arm's joints move it")
         return frame.placement
 
-    def _descend(self, root_T_target: pin.SE3, start: FloatArray) -> FloatArray | None:
-        """Levenberg-Marquardt with damping by the error: Sugihara (2011), eq. 15 and 16, limits clamped."""
+    def _descend(self, root_T_target: FloatArray, start: FloatArray) -> FloatArray | None:
         q = np.array(start, dtype=np.float64)
-        lower, upper = self._lowest, self._highest
-        for _ in range(_ITERATIONS):
-            error, J = self._error(root_T_target, q)
-            squared = float(error @ error)
-            if squared < _TOLERANCE**2:
-                return q
-            g = J.T @ error
-            stuck = ((q <= lower) & (g < 0.0)) | ((q >= upper) & (g > 0.0))
-            J[:, stuck] = 0.0
-            H = J.T @ J
-            H.flat[:: self.dof + 1] += 0.05 * squared + _DAMPING
-            step = np.linalg.solve(H, np.where(stuck, 0.0, g))
-            longest = float(np.abs(step).max())
-            if longest == 0.0:
-                return None
-            q = np.clip(q + step * min(1.0, _LONGEST_STEP / longest), lower, upper)
-        return None
+        return q if descend(self._screws, root_T_target, q) else None
 
     def _starts(
-        self, root_T_target: pin.SE3, near: FloatArray, count: int, rng: np.random.Generator
-    ) -> list[FloatArray]:
-        """`count` starts, each the nearest to the target of some random ones: cheaper than more descents.
+        self, root_T_target: FloatArray, near: FloatArray, count: int, rng: np.random.Generator
+    ) -> FloatArray:
+        """Return starts (count, n), each the nearest to the target of some random ones: cheaper than more
+        descents.
 
         Joints that do not move the tip, such as those of a head, stay at `near` (n,).
         """
         drawn = rng.uniform(self.lower, self.upper, (count, _DRAWN, self.dof))
         drawn = np.where(self.moves_tip, drawn, near)
-        return [min(group, key=lambda q: self._distance(root_T_target, q)) for group in drawn]
+        best = np.zeros(count, dtype=np.int64)
+        nearest_of_groups(self._screws, root_T_target, drawn, best)
+        return drawn[np.arange(count), best]
 
-    def _distance(self, root_T_target: pin.SE3, q: FloatArray) -> float:
-        pin.forwardKinematics(self._model, self._data, self.ordered(q))
-        root_T_tip = pin.updateFramePlacement(self._model, self._data, self._tip_id)
-        return float(np.linalg.norm(pin.log6(root_T_tip.actInv(root_T_target)).vector))
-
-    def _error(self, root_T_target: pin.SE3, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        pin.computeJointJacobians(self._model, self._data, self.ordered(q))
-        J = pin.getFrameJacobian(self._model, self._data, self._tip_id, pin.ReferenceFrame.LOCAL)
-        root_T_tip = pin.updateFramePlacement(self._model, self._data, self._tip_id)
-        return pin.log6(root_T_tip.actInv(root_T_target)).vector, self.of_arm(J.reshape(6, -1))
+    @cached_property
+    def _screws(self) -> TipScrews:
+        """Joints that move the tip, for compiled loops."""
+        factors = self._spread
+        if factors is None:
+            factors = np.zeros((len(self._offset), self.dof))
+            factors[self._order, np.arange(self.dof)] = 1.0
+        limits = self._lowest, self._highest
+        return tip_screws(self._model, self._tip_id, factors, self._offset, limits)
 
 
 _GRAVITY = 9.81  # [m/s²]
 _POSES = 4  # of frames at postures that are kept
 _ALIKE = 32  # models with other joints elsewhere that are kept
-_ITERATIONS = 40
 _SAME = 1e-3  # [rad] or [m] between two solutions that count as one
 _DRAWN = 8
-_LONGEST_STEP = 0.5  # [rad]
-_TOLERANCE = 1e-8  # [m] and [rad]
-_DAMPING = 1e-7

@@ -154,20 +154,25 @@ class CollisionModel:
         self._names.append(name)
 
     def _pair(self) -> None:
-        joints = [body.parentJoint for body in self._bodies.geometryObjects]
-        parents, links = list(self._model.parents), len(self._links)
-        for first, a in enumerate(joints[:links]):
-            near = (parents[a], a)
-            for second, b in enumerate(joints[first + 1 :], start=first + 1):
-                if a != b and (second >= links or (b not in near and parents[b] != a)):
-                    self._add_pair(first, second)
+        """Choose the pairs of bodies that are checked."""
+        joints = np.array([body.parentJoint for body in self._bodies.geometryObjects])
+        parents = np.array(self._model.parents)[joints]
+        links, count = len(self._links), len(joints)
+        apart = joints[:, None] != joints
+        paired = apart & (parents[:, None] != joints) & (parents != joints[:, None])
+        paired[:, links:] = apart[:, links:]
+        paired[links:] = False
         if self._held is not None:
-            for second in self._obstacles:
-                self._add_pair(self._held, second)
-
-    def _add_pair(self, first: int, second: int) -> None:
-        if frozenset((self._names[first], self._names[second])) not in self._allowed:
-            self._bodies.addCollisionPair(pin.CollisionPair(first, second))
+            paired[self._held, self._obstacles.start :] = True
+        numbers = {name: number for number, name in enumerate(dict.fromkeys(self._names))}
+        may_touch = np.zeros((len(numbers), len(numbers)), dtype=bool)
+        for pair in self._allowed:
+            rows = [numbers[name] for name in pair if name in numbers]
+            if len(rows) == len(pair):
+                may_touch[rows[0], rows[-1]] = may_touch[rows[-1], rows[0]] = True
+        names = np.array([numbers[name] for name in self._names])
+        paired &= ~may_touch[names[:, None], names] & np.triu(np.ones((count, count), dtype=bool), 1)
+        self._bodies.setCollisionPairs(paired)
 
 
 def _coarse_first(count: int) -> IntArray:

@@ -67,7 +67,7 @@ def plan_motion(
             break
     if found is None:
         return None
-    return _shorten(found, lambda a, b: collision.line_free(a, b, step), np.random.default_rng(seed))
+    return _shorten(found, _remembering(collision, step), seed)
 
 
 def plan_straight(
@@ -105,6 +105,7 @@ def plan_straight(
     return line if collision is None or collision.path_free(line) else None
 
 
+_LineCheck = Callable[[FloatArray, FloatArray], bool]
 _LEAP = 0.2  # [rad] between two poses a step apart
 _RANGE = 0.6  # [rad] longest branch of the trees
 _SHORTCUTS = 80
@@ -201,10 +202,35 @@ def _angles(state: ob.State, dof: int) -> FloatArray:
     return np.array([state[index] for index in range(dof)])
 
 
-def _shorten(
-    path: FloatArray, free: Callable[[FloatArray, FloatArray], bool], rng: np.random.Generator
+def _remembering(collision: CollisionModel, step: float) -> _LineCheck:
+    """Return a function that reports whether the line between two postures is free, and checks it once."""
+    known: dict[tuple[bytes, bytes], bool] = {}
+
+    def free(a: FloatArray, b: FloatArray) -> bool:
+        line = a.tobytes(), b.tobytes()
+        if line not in known:
+            known[line] = collision.line_free(a, b, step)
+        return known[line]
+
+    return free
+
+
+def _shorten(path: FloatArray, free: _LineCheck, seed: int) -> FloatArray:
+    """Replace pieces between two random points of the path by straight lines where these are free.
+
+    What remains of a cut line was checked as a part of it, with samples elsewhere. It is checked again in the
+    end only. If it is not free there, pieces are replaced again, and it is checked at each cut.
+    """
+    shorter = _with_shortcuts(path, free, np.random.default_rng(seed), rests=False)
+    if all(free(p, q) for p, q in pairwise(shorter)):
+        return shorter
+    return _with_shortcuts(path, free, np.random.default_rng(seed), rests=True)
+
+
+def _with_shortcuts(
+    path: FloatArray, free: _LineCheck, rng: np.random.Generator, rests: bool
 ) -> FloatArray:
-    """Replace pieces between two random points of the path by straight lines where these are free."""
+    """Return the path (m, n) with free shortcuts; `rests`: True to check the remains of cut lines too."""
     path = _without_detours(path, free)
     for _ in range(_SHORTCUTS):
         if len(path) == 2:
@@ -214,14 +240,15 @@ def _shorten(
         a, b = (np.array([np.interp(s, lengths, column) for column in path.T]) for s in (first, second))
         before = path[: int(np.searchsorted(lengths, first, side="right"))]
         after = path[int(np.searchsorted(lengths, second, side="left")) :]
-        # The remains of cut lines are checked too: the samples on them lie elsewhere than before.
+        if len(before) + len(after) >= len(path) or not free(a, b):
+            continue
         shortcut = _merged(np.vstack((before[-1:], a, b, after[:1])))
-        if len(before) + len(after) < len(path) and all(free(p, q) for p, q in pairwise(shortcut)):
+        if not rests or all(free(p, q) for p, q in pairwise(shortcut)):
             path = np.vstack((before, shortcut[1:], after[1:]))
     return _without_detours(path, free)
 
 
-def _without_detours(path: FloatArray, free: Callable[[FloatArray, FloatArray], bool]) -> FloatArray:
+def _without_detours(path: FloatArray, free: _LineCheck) -> FloatArray:
     """Replace stretches of a path (m, n) by free lines, from each point to the furthest one that a free line
     reaches.
     """
