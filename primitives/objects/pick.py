@@ -232,14 +232,13 @@ class Pick(ActionPrimitive):
             if not choice.reached:
                 raise Discrepancy(f"{self.object} is out of reach", measured=free, cause=causes.OUT_OF_REACH)
             raise Discrepancy(f"no grasp of {self.object} is free", measured=free, cause=causes.NO_ARM_PATH)
-        planned = yield from self._leading_on(robot, model, kind, base_T_object, choice.planned)
-        first = planned[0]
+        first = yield from self._leading_on(robot, model, kind, base_T_object, choice.planned)
         if self.grasp == "best":
             return first
-        others = [item for item in planned if not _alike(item, first)]
+        others = [item for item in choice.planned if not _alike(item, first)]
         if not others:
             raise Discrepancy(f"{self.object} has only one free grasp", cause=causes.NO_ARM_PATH)
-        return others[0]
+        return (yield from self._leading_on(robot, model, kind, base_T_object, others))
 
     def _seen_beside(
         self, robot: Robot, model: ModelView, kind: ObjectKind, base_T_object: Transform
@@ -259,29 +258,31 @@ class Pick(ActionPrimitive):
         kind: ObjectKind,
         base_T_object: Transform,
         planned: Sequence[PlannedGrasp],
-    ) -> Generator[None, None, Sequence[PlannedGrasp]]:
-        """Return the grasps, those first with which the object can be put down where it goes."""
+    ) -> Generator[None, None, PlannedGrasp]:
+        """Return the first grasp with which the object can be put down where it goes; if there is none, the
+        first one.
+        """
         if self.to is None:
-            return planned
+            return planned[0]
         surface = surface_of(model, self.to)
         place = model.places.get(surface.place or self.to)
         if place is None:
-            return planned
+            return planned[0]
         every = [
             np.asarray(inverse(place.pose.lift()) @ transform) for transform in goals_on(surface, self.spot)
         ]
         goals = showing_tags(every, model.of(Objects).objects.tags_of(self.object))
         around = [box.seen_from(inverse(place.pose.lift())) for box in surface.boxes(self.to)]
-        fits: list[PlannedGrasp] = []
-        others: list[PlannedGrasp] = []
         for grasp in planned:
             hand_T_object = gripped(grasp.base_T_grip, base_T_object, kind.is_round)
             found = yield from robot.compute(
                 plan_placing, robot, kind, hand_T_object, goals, around, grasp.grasp.width
             )
-            (others if found is None else fits).append(grasp)
-        self.found(grasps_leading_on=len(fits))
-        return [*fits, *others]
+            if found is not None:
+                self.found(leads_on=True)
+                return grasp
+        self.found(leads_on=False)
+        return planned[0]
 
     def _close_on(
         self, robot: Robot, model: ModelView, kind: ObjectKind, plan: PlannedGrasp, base_T_object: Transform
