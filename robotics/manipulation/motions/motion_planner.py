@@ -227,9 +227,7 @@ def _shorten(path: FloatArray, free: _LineCheck, seed: int) -> FloatArray:
     return _with_shortcuts(path, free, np.random.default_rng(seed), rests=True)
 
 
-def _with_shortcuts(
-    path: FloatArray, free: _LineCheck, rng: np.random.Generator, rests: bool
-) -> FloatArray:
+def _with_shortcuts(path: FloatArray, free: _LineCheck, rng: np.random.Generator, rests: bool) -> FloatArray:
     """Return the path (m, n) with free shortcuts; `rests`: True to check the remains of cut lines too."""
     path = _without_detours(path, free)
     for _ in range(_SHORTCUTS):

@@ -29,8 +29,8 @@ NAMES = ["bend", "turn", "swing", "lift"]
 
 def _odd_arm(tip: str = "l6") -> ArmModel:
     joints = "".join(
-        JOINT.format(name=name, kind=kind, axis=axis, mimic=mimic, parent=f"l{number}", child=f"l{number + 1}")
-        for number, (name, kind, axis, mimic) in enumerate(KINDS)
+        JOINT.format(name=name, kind=kind, axis=axis, mimic=mimic, parent=f"l{n}", child=f"l{n + 1}")
+        for n, (name, kind, axis, mimic) in enumerate(KINDS)
     )
     return ArmModel(f'<robot name="odd"><link name="l0"/>{joints}</robot>', NAMES, tip=tip, base="l0")
 
