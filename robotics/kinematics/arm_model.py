@@ -233,7 +233,9 @@ class ArmModel:
         self, root_T_target: FloatArray, near: FloatArray, restarts: int, seed: int
     ) -> Iterator[FloatArray]:
         yield self.clipped(near)
-        drawn = self._starts(root_T_target, near, restarts, np.random.default_rng(seed)) if restarts else []
+        if not restarts:
+            return
+        drawn = self._starts(root_T_target, near, restarts, np.random.default_rng(seed))
         starts = [self.nearest(start, near) for start in drawn]
         yield from sorted(starts, key=lambda start: float(np.linalg.norm(start - near)))
 

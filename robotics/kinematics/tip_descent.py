@@ -71,7 +71,7 @@ def tip_screws(
     joints = [joint for joint in model.supports[model.frames[tip_id].parentJoint] if joint > 0]
     rows = np.array([model.idx_vs[joint] for joint in joints], dtype=np.intp)
     velocities, turns = twists[:3, rows].T, twists[3:, rows].T
-    slides = ~turns.any(axis=1)
+    slides = np.asarray(~turns.any(axis=1))
     return TipScrews(
         np.ascontiguousarray(np.where(slides[:, None], velocities, turns)),
         np.cross(turns, velocities),
