@@ -20,12 +20,16 @@ from .state_table import STOP_CHOICE, StateTable
 
 LOW_SWEEPS, HIGH_SWEEPS = 4, 5
 """Sweeps over all states for each round of the search."""
-EXPANDED_SHARE = 0.99
+EXPANDED_SHARE = 0.95
 """Share of the gap whose states are expanded in a round; below 1 there are more rounds but fewer states."""
 MIN_EXPANDED = 200
 """Maximum number of states that a round expands while the search has expanded fewer; later as many as it
 has.
 """
+ROUND_GROWTH = 0.5
+"""Share by which a round expands more states, level by level, while the policy leads on to new ones."""
+MAX_ROUND_LEVELS = 3
+"""Maximum number of levels of states that a round expands, one behind the other."""
 SLACK_SHARE = 0.05
 """Share of the gap by which the solution of a policy may miss the optimum and still bound it."""
 ROUND_STEPS, TRANSITION_STEPS, STATE_STEPS = 300.0, 0.012, 1.5
@@ -131,7 +135,7 @@ class ComponentSearch:
             if not len(chosen):
                 return None
             before = len(table.states)
-            table.expand(chosen)
+            self._expand(chosen, visits)
             effort.spend(STATE_STEPS * (len(table.states) - before))
 
     def decision(self, state: State) -> tuple[Action | None, float, float] | None:
@@ -172,6 +176,27 @@ class ComponentSearch:
                 likely &= visits >= np.partition(visits, -MAX_POLICY_STATES)[-MAX_POLICY_STATES]
             self._decisions = _Decisions(best.option, best.cost, likely)
         return self._decisions
+
+    def _expand(self, chosen: IntArray, visits: FloatArray) -> None:
+        """Expand states, and those behind them that the policy by the lower bounds is likely to reach.
+
+        Args:
+            chosen: (n,) numbers of the states.
+            visits: (states,) expected number of visits to each state of the table.
+        """
+        table = self._table
+        most = int(ROUND_GROWTH * table.expanded.sum())
+        for _ in range(MAX_ROUND_LEVELS):
+            row, to, p = table.after(table.expand(chosen))
+            behind = np.bincount(to, visits[chosen][row] * p, len(table.states))
+            new = np.zeros(len(behind) - len(visits))
+            visits = np.concatenate((visits, new)) + behind
+            missed = behind * (table.high - table.low)
+            missed[table.expanded | (table.states[:, 0] >= self._rows.inside)] = 0.0
+            most -= len(chosen)
+            chosen = _most_missed(missed, max(0, most))
+            if not len(chosen):
+                return
 
     def _look_beyond(self, beyond: Bounds) -> IntArray:
         """Set the bounds of the states beyond the component; return the numbers (k,) of those that are

@@ -129,14 +129,17 @@ class StateTable:
         self._stop.extend(stop)
         self._expanded.extend(np.zeros(len(rows), bool))
 
-    def expand(self, numbers: IntArray) -> None:
+    def expand(self, numbers: IntArray) -> IntArray:
         """Compute the options (actions that can be started) of states that have no options in the table yet.
 
         Args:
             numbers: (n,) numbers of these states in the table.
+
+        Returns:
+            Numbers (n,) of the options that are the best by the present lower bounds, or `STOP_CHOICE`.
         """
         if not numbers.size:
-            return
+            return np.zeros(0, np.int64)
         rows = self.rows
         after = rows.following(self.states[numbers])
         state, size = numbers[after.state], len(after.state)
@@ -158,6 +161,21 @@ class StateTable:
         self.expanded[numbers] = True
         unable = np.setdiff1d(numbers, numbers[able], assume_unique=True)
         self.low[unable] = self.stop[unable]
+        return self._best_of(numbers, before)
+
+    def _best_of(self, numbers: IntArray, first: int) -> IntArray:
+        """Return the best options (n,) of states by the lower bounds, given the number of their first one."""
+        state, ends = self._state.all[first:], self._ends.all[first:]
+        products = self._p.all[ends[0] :] * self.low[self._to.all[ends[0] :]]
+        ahead = np.diff(np.concatenate(([0.0], np.cumsum(products)))[ends - ends[0]])
+        with np.errstate(divide="ignore"):
+            cost = (self._price.all[first:] + ahead) / self._left.all[first:]
+        order = np.lexsort((cost, state))
+        able, places = np.unique(state[order], return_index=True)
+        best = order[places]
+        chosen = np.full(len(self.expanded), STOP_CHOICE)
+        chosen[able] = np.where(cost[best] < self.stop[able], first + best, STOP_CHOICE)
+        return np.asarray(chosen[numbers])
 
     def choices(self, values: FloatArray) -> Choices:
         """Return the best option (action) of each state, and its cost, for assumed costs of later states.
