@@ -48,6 +48,15 @@ class RosOdometrySpec(RosTopicSpec):
     """Angle added to the limit of a jump that `jump_factor` sets."""
 
 
+class RosLidarSpec(RosTopicSpec):
+    """ROS topic of a lidar's scans, and the way in which the lidar is mounted."""
+
+    topic: Topic = "scan"
+    upside_down: bool = False
+    """True for a lidar mounted upside down: its driver counts the angles clockwise as seen from above, while
+    the frame in the robot's file stays upright, with the same x axis."""
+
+
 class RosGpsSpec(RosTopicSpec):
     """ROS topic of a satellite receiver's fixes, and the point on Earth that is the origin of positions."""
 
@@ -185,7 +194,7 @@ class RosSpec(FileModel):
     gripper: RosGripperSpec = RosGripperSpec()
     wrench: RosTopicSpec | None = None
     """Force on the hand (`geometry_msgs/WrenchStamped`, in the hand frame); None: by the joints' efforts."""
-    lidar: RosTopicSpec = RosTopicSpec(topic="scan")
+    lidar: RosLidarSpec = RosLidarSpec()
     camera: RosCameraSpec = RosCameraSpec()
     cameras: dict[str, RosCameraSpec] = Field(default_factory=dict)
     """Topics of further cameras by their names in the table `sensors`; `camera` is that of the first."""

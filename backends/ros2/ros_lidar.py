@@ -20,17 +20,22 @@ MAX_ANGLE_DIFFERENCE_DEG = 0.5
 
 
 class RosLidar(TopicSensor, RangeSensor):
-    """Lidar whose raw scans are received from a ROS topic; scans with clockwise angles are reversed."""
+    """Lidar whose raw scans are received from a ROS topic.
+
+    Scans with decreasing angles are reversed, and so are those of a lidar that is mounted upside down.
+    """
 
     KIND = "sensor_msgs/LaserScan"
 
-    def fit(self, spec: RangeSpec, base_T_sensor: Transform) -> None:
+    def fit(self, spec: RangeSpec, base_T_sensor: Transform, is_upside_down: bool = False) -> None:
         """Set the lidar's section of the robot's file, and its pose, before the first scan.
 
         Args:
             spec: section of the robot's file.
-            base_T_sensor: (4, 4) pose of the sensor's frame in the base frame.
+            base_T_sensor: (4, 4) pose of the sensor's frame in the base frame, upright.
+            is_upside_down: True if the messages' frame is that frame, turned by 180 degrees about its x axis.
         """
+        self._sign = -1.0 if is_upside_down else 1.0
         yaw = math.atan2(base_T_sensor[1, 0], base_T_sensor[0, 0])
         self._mount = Pose2(float(base_T_sensor[0, 3]), float(base_T_sensor[1, 3]), yaw)
         self._spec, self._angles = spec, spec.angles()
@@ -47,8 +52,9 @@ class RosLidar(TopicSensor, RangeSensor):
             return f"it has {len(message.ranges)} beams; the robot's file says {self._spec.beams}"
         if not math.isfinite(message.angle_min) or not math.isfinite(message.angle_increment):
             return "its angles are not finite"
-        step = message.angle_increment
-        ends = message.angle_min, message.angle_min + step * (len(message.ranges) - 1)
+        step = self._sign * message.angle_increment
+        first = self._sign * message.angle_min
+        ends = first, first + step * (len(message.ranges) - 1)
         ends = ends if step > 0.0 else ends[::-1]
         wanted = float(self._angles[0]), float(self._angles[-1])
         off = [math.degrees(math.remainder(a - b, 2.0 * math.pi)) for a, b in zip(ends, wanted, strict=True)]
@@ -61,7 +67,7 @@ class RosLidar(TopicSensor, RangeSensor):
     def _read(self, messages: list[Any]) -> None:
         scan = messages[-1]
         ranges = np.asarray(scan.ranges, dtype=np.float64)
-        self._ranges = ranges if scan.angle_increment > 0.0 else ranges[::-1].copy()
+        self._ranges = ranges if self._sign * scan.angle_increment > 0.0 else ranges[::-1].copy()
 
 
 def _degrees(ends: tuple[float, float]) -> str:

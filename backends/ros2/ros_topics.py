@@ -221,7 +221,8 @@ class RosTopics:
         robot, spec = self._robot, self._spec
         if robot.range_sensor is not None:
             lidar = self._heard(RosLidar, "the lidar", spec.lidar)
-            lidar.fit(robot.range_sensor, base_T_frame(robot.urdf_text(), robot.lidar_link))
+            mount = base_T_frame(robot.urdf_text(), robot.lidar_link)
+            lidar.fit(robot.range_sensor, mount, spec.lidar.upside_down)
             lidar.sensor_name = robot.name_of(robot.range_sensor)
             yield lidar
         for name, (camera, topic) in camera_topics(robot, spec).items():

@@ -18,12 +18,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handcart.backends.ros2.bench.bench_faults import FAULT_KINDS, TopicFault
+from handcart.backends.ros2.bench.bench_faults import ACTION_KINDS, FAULT_KINDS, TopicFault
 from handcart.backends.ros2.bench.ros_bench import COMMAND_TIMEOUT_S
 from handcart.backends.ros2.wire.ros_link import RosLink
 
 from .judged import Lateness, Tally, Verdict
-from .wire_rig import Ended, Process, Rest, await_driving, drive_circles, on_the_air, serve_bench, watching
+from .wire_rig import (
+    Ended,
+    Process,
+    Rest,
+    await_driving,
+    drive_circles,
+    on_the_air,
+    serve_bench,
+    warm_up,
+    watching,
+)
 
 GOES_ON = ("doubled", "swapped")
 OTHER_FAULTS = ("second master", "wrong type", "late bench")
@@ -52,10 +62,11 @@ def main() -> None:
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     words.add_argument("--count", type=int, default=20, help="trials of each fault")
     words.add_argument("--topics", nargs="+", default=["odom", "scan"])
-    kinds = [*FAULT_KINDS, *OTHER_FAULTS]
+    kinds = [*(kind for kind in FAULT_KINDS if kind not in ACTION_KINDS), *OTHER_FAULTS]
     words.add_argument("--kinds", nargs="+", choices=kinds, default=kinds, metavar="KIND")
     asked = words.parse_args()
     missed, trial = 0, 0
+    warm_up()
     for kind in asked.kinds:
         for topic in (
             ("cmd_vel",) if kind == OTHER_FAULTS[0] else ("odom",) if kind in OTHER_FAULTS else asked.topics

@@ -19,7 +19,17 @@ import numpy as np
 from handcart.backends.ros2.bench.ros_bench import COMMAND_TIMEOUT_S
 
 from .judged import Tally, Verdict
-from .wire_rig import Ended, Process, Rest, await_driving, drive_circles, on_the_air, serve_bench, watching
+from .wire_rig import (
+    Ended,
+    Process,
+    Rest,
+    await_driving,
+    drive_circles,
+    on_the_air,
+    serve_bench,
+    warm_up,
+    watching,
+)
 
 PERIODS_S = 0.1
 """[s] of two periods, beyond the base's time-out."""
@@ -37,6 +47,7 @@ def main() -> None:
     asked = words.parse_args()
     rng = random.Random(asked.seed)
     failed, most_periods = 0, 0
+    warm_up()
     for name, kill in (("program", kill_program), ("bench", kill_bench)):
         if name not in asked.which:
             continue

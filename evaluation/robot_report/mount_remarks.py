@@ -50,7 +50,8 @@ def _lidar_remarks(robot: RobotFile, urdf: str) -> Iterator[Remark]:
         return
     if upright < 0.0:
         wrong = "the lidar is mounted upside down: its beams run clockwise; turn the frame upright"
-        yield Remark(subject, f"{wrong}, and reverse the order of the ranges", place)
+        mends = "reverse the order of the ranges (over ROS 2 by `upside_down: true` under `ros2: lidar`)"
+        yield Remark(subject, f"{wrong}, and {mends}", place)
     tilt = math.degrees(math.acos(min(1.0, abs(upright))))
     if tilt > MAX_TILT_DEG:
         wrong = f"the lidar's plane is tilted by {tilt:.0f} deg; allowed: parallel to the floor"

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from handcart.backends.robot.mounted_camera import camera_mount, known_camera, mount_of
 from handcart.backends.ros2.wire.camera_topics import camera_topics, depth_topics
+from handcart.backends.ros2.wire.frame_tree import UPRIGHT_T_FLIPPED
 from handcart.files.suggest import suggest
 from handcart.robotics.geometry.transform import Transform, difference
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
@@ -30,6 +31,8 @@ class _Placed(NamedTuple):
     """Pose (4, 4) of the sensor's frame in the base frame by the robot's file, with the joints as they are
     measured.
     """
+    can_flip: bool = False
+    """True for a lidar, for which the robot's file can say that it is mounted upside down."""
 
 
 def frame_findings(heard: HeardRobot) -> Iterator[AirFinding]:
@@ -55,12 +58,26 @@ def frame_findings(heard: HeardRobot) -> Iterator[AirFinding]:
         off, angle = difference(item.base_T_sensor, pose)
         if off > MAX_FRAME_ERROR_M or math.degrees(angle) > MAX_FRAME_ERROR_DEG:
             x, y, z = pose[:3, 3]
+            hint = "; upside down: see `upside_down`" if _is_flipped(item, pose) else ""
             yield AirFinding(
                 (item.name,),
                 f"tf: the frame {frame!r} of {item.topic} is at ({x:.3f}, {y:.3f}, {z:.3f}) m in {base!r},"
                 f" {off:.3f} m and {math.degrees(angle):.1f} deg from where the robot's file has it; allowed:"
-                f" {MAX_FRAME_ERROR_M:g} m, {MAX_FRAME_ERROR_DEG:g} deg",
+                f" {MAX_FRAME_ERROR_M:g} m, {MAX_FRAME_ERROR_DEG:g} deg{hint}",
             )
+
+
+def _is_flipped(item: _Placed, pose: Transform) -> bool:
+    """Return whether a lidar's frame is where the robot's file has it, but the other way up.
+
+    Args:
+        item: lidar or another sensor, as the robot's file has it.
+        pose: base_T_sensor (4, 4) by `tf`.
+    """
+    if not item.can_flip:
+        return False
+    off, angle = difference(item.base_T_sensor @ UPRIGHT_T_FLIPPED, pose)
+    return off <= MAX_FRAME_ERROR_M and math.degrees(angle) <= MAX_FRAME_ERROR_DEG
 
 
 def _placed(heard: HeardRobot) -> Iterator[_Placed]:
@@ -74,7 +91,9 @@ def _placed(heard: HeardRobot) -> Iterator[_Placed]:
     for sensor, topic in fixed:
         if sensor is not None and topic:
             pose = base_T_frame(robot.urdf_text(), robot.link_of(sensor))
-            yield _Placed(robot.name_of(sensor), topic, pose)
+            is_lidar = sensor is robot.range_sensor
+            pose = pose @ UPRIGHT_T_FLIPPED if is_lidar and spec.lidar.upside_down else pose
+            yield _Placed(robot.name_of(sensor), topic, pose, is_lidar)
     for name, (camera, source) in camera_topics(robot, spec).items():
         known = known_camera(camera, mount_of(robot, camera))
         if (carrier := _carrier(heard, known.carrier)) is not None:

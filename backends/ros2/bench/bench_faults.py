@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from handcart.files.errors import InputError
@@ -76,6 +76,19 @@ class BenchFaults:
     def add(self, fault: TopicFault) -> None:
         """Plan one more fault."""
         self._planned = (*self._planned, fault)
+
+    def check(self, topics: Sequence[str], actions: Sequence[str]) -> None:
+        """Raise `InputError` if a planned fault has no effect, because the bench has no such topic or action.
+
+        Args:
+            topics: names of the topics that the bench publishes.
+            actions: names of the actions that it serves.
+        """
+        for fault in self._planned:
+            what, names = ("an action", actions) if fault.kind in ACTION_KINDS else ("a topic", topics)
+            if fault.topic not in names:
+                hint = suggest(fault.topic, list(names))
+                raise InputError(f"fault {fault.kind!r}: {fault.topic!r} is not {what} of this bench{hint}")
 
     def is_due(self, kind: str, name: str, now_s: float) -> bool:
         """Return True if a planned fault of a topic or action has begun.

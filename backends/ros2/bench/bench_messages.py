@@ -64,7 +64,13 @@ def state_message(
 
 
 def scan_message(
-    link: Link, now: float, spec: RangeSpec, robot: Backend, factor: float = 1.0, mirrored: bool = False
+    link: Link,
+    now: float,
+    spec: RangeSpec,
+    robot: Backend,
+    factor: float = 1.0,
+    mirrored: bool = False,
+    is_upside_down: bool = False,
 ) -> Any:
     """Return the scan of a simulated lidar as a `LaserScan`.
 
@@ -74,16 +80,18 @@ def scan_message(
         spec: the lidar's section of the robot's file.
         robot: simulated robot with the lidar.
         factor: factor by which the ranges are multiplied, to simulate a difference from the robot's file.
-        mirrored: True for a scan whose angles grow clockwise.
+        mirrored: True for ranges in the wrong order.
+        is_upside_down: True for a lidar mounted upside down, whose angles grow clockwise as seen from above.
     """
     lidar = robot.get(RangeSensor)  # type: ignore[type-abstract]
     assert lidar is not None, "its file says so"
     angles = spec.angles()
     message = _stamped(link, "sensor_msgs/LaserScan", now, "range_sensor")
-    message.angle_min, message.angle_max = float(angles[0]), float(angles[-1])
+    ends = (-angles[-1], -angles[0]) if is_upside_down else (angles[0], angles[-1])
+    message.angle_min, message.angle_max = map(float, ends)
     message.angle_increment = float(angles[1] - angles[0])
     message.range_min, message.range_max = float(spec.range_min_m), float(spec.reach_m)
-    ranges = lidar.scan().ranges[:: -1 if mirrored else 1]
+    ranges = lidar.scan().ranges[:: -1 if mirrored != is_upside_down else 1]
     message.ranges = array("f", (factor * ranges).astype(np.float32).tobytes())
     return message
 

@@ -80,6 +80,9 @@ class RosBench:
             link: the drivers' node, owned by the bench from now on.
             faults: planned faults of the topics; None: none.
             differences: how the simulated robot differs from the file; None: it doesn't.
+
+        Raises:
+            InputError: a planned fault names a topic or an action that the bench has not.
         """
         self._robot, self._spec, self.inner, self._link = robot, spec, inner, link
         self._faults = faults or BenchFaults(robot.period_s)
@@ -99,6 +102,7 @@ class RosBench:
         self._send = self._publishers()
         self._served: tuple[ServedJoints, ...] = ()
         self._listen()
+        self._check_faults()
         self._describe()
 
     def step(self) -> None:
@@ -156,6 +160,9 @@ class RosBench:
         """Speeds at which the simulated base is driving now; zero if the last command is too old."""
         late = self.time - self._commanded > self._true.timeout(COMMAND_TIMEOUT_S)
         return DriveCommand() if late else self._command
+
+    def _check_faults(self) -> None:
+        self._faults.check(list(self._send), [joints.name for joints in self._served])
 
     def _describe(self) -> None:
         """Publish the URDF, and the SRDF if there is one, as robot_state_publisher and MoveIt do."""
@@ -261,8 +268,9 @@ class RosBench:
             found[spec.joint_states.topic] = state_message(link, now, names, positions, efforts)
         if robot.range_sensor is not None:
             factor, side = self._true.factor("scan"), self._true.factor("scan.side")
-            scan = scan_message(link, now, robot.range_sensor, self.inner, factor, side < 0.0)
-            found[spec.lidar.topic] = scan
+            found[spec.lidar.topic] = scan_message(
+                link, now, robot.range_sensor, self.inner, factor, side < 0.0, spec.lidar.upside_down
+            )
         if robot.imu is not None:
             found[spec.imu.topic] = imu_message(link, now, self.inner, self._true.factor("imu"))
         receiver = self.inner.get(Gps)  # type: ignore[type-abstract]

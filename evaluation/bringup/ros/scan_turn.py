@@ -45,9 +45,11 @@ def check_side(site: RosSite, before: Scan | None, after: Scan | None, turn: flo
     right, mirrored = shift_error(before, after, turn), shift_error(before, after, -turn)
     turned = f"{site.spec.lidar.topic}: the base turned by {math.degrees(turn):.0f} deg, and"
     if mirrored < CLEARLY * right and right > MIN_ERROR:
+        mends = f"upside_down: {str(not site.spec.lidar.upside_down).lower()}"
         raise RungFailed(
             f"{turned} what the lidar sees turned with it instead of against it ({mirrored:.1%} error,"
-            f" {right:.1%} the other way); it counts the wrong way round: is it mounted upside down?"
+            f" {right:.1%} the other way); it counts the wrong way round; `{mends}` in the file's section"
+            " `ros2`, under `lidar`, mends it"
         )
     if not (right < CLEARLY * mirrored and mirrored > MIN_ERROR):
         both = f"{right:.1%} and {mirrored:.1%} error"

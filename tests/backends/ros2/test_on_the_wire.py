@@ -15,7 +15,7 @@ import pytest
 from handcart.backends.backend import RobotFault
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.description.ros_spec import RosOdometrySpec, RosSpec, RosTopicSpec, RosVelocitySpec
+from handcart.backends.description.ros_spec import RosLidarSpec, RosOdometrySpec, RosSpec, RosVelocitySpec
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.ros2.air_check.air_description import describe_air
 from handcart.backends.ros2.air_check.air_report import listen
@@ -135,7 +135,7 @@ def test_a_check_compares_the_file_with_the_air(bench: subprocess.Popen[str]) ->
     spec = RosSpec(
         first_message_s=8.0,
         odometry=RosOdometrySpec(stale_ms=3000.0),
-        lidar=RosTopicSpec(topic="scan", stale_ms=3000.0),
+        lidar=RosLidarSpec(stale_ms=3000.0),
     )
     try:
         report = listen(robot, spec, link, lambda: time.sleep(0.005), 3.0)

@@ -53,6 +53,16 @@ def test_travel_is_that_of_the_simulated_wheels(make: Make, turn: float) -> None
         assert travel.left + travel.right == pytest.approx(0.8, abs=0.02)
 
 
+@pytest.mark.parametrize("is_upside_down", [False, True])
+def test_a_scan_is_the_same_however_the_lidar_is_mounted(make: Make, is_upside_down: bool) -> None:
+    with make("cart", ideal=True, lidar={"upside_down": is_upside_down}) as backend:
+        scan = backend.get(RangeSensor).scan()  # type: ignore[type-abstract,union-attr]
+        true = backend.inner.get(RangeSensor).scan()  # type: ignore[type-abstract,union-attr]
+        assert scan.angles == pytest.approx(true.angles)
+        assert scan.ranges == pytest.approx(true.ranges, rel=1e-5)
+        assert np.ptp(true.ranges - true.ranges[::-1]) > 0.1  # otherwise nothing is shown
+
+
 def test_a_command_lives_one_period(make: Make) -> None:
     with make() as backend:
         drive(backend, 1.0)

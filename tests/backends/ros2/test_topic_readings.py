@@ -24,12 +24,12 @@ class Time:
         return self.now
 
 
-def lidar_of(time: Time) -> RosLidar:
+def lidar_of(time: Time, is_upside_down: bool = False) -> RosLidar:
     """Return the cart's lidar, behind a topic."""
     spec = load_robot("cart").range_sensor
     assert spec is not None
     lidar = RosLidar("the lidar", RosTopicSpec(topic="scan"), time, time)
-    lidar.fit(spec, np.eye(4))
+    lidar.fit(spec, np.eye(4), is_upside_down)
     return lidar
 
 
@@ -50,6 +50,19 @@ def test_a_lidar_that_counts_clockwise_is_turned_round() -> None:
     lidar.advance()
     assert lidar.scan().ranges[-1] == pytest.approx(1.0)
     assert lidar.scan().angles[0] == pytest.approx(-np.pi)
+
+
+@pytest.mark.parametrize(("start_deg", "step_deg", "first"), [(-179.0, 1.0, -1), (180.0, -1.0, 0)])
+def test_a_lidar_upside_down_counts_the_other_way(start_deg: float, step_deg: float, first: int) -> None:
+    """The angle of a beam is that in the messages' frame, with the opposite sign."""
+    time = Time()
+    lidar = lidar_of(time, is_upside_down=True)
+    lidar.heard(scan_at(100.0, start=np.radians(start_deg), step=np.radians(step_deg)))
+    lidar.advance()
+    assert not lidar.doubt
+    scan = lidar.scan()
+    assert scan.ranges[first] == pytest.approx(1.0)
+    assert np.degrees(scan.angles[first]) == pytest.approx(-start_deg)
 
 
 @pytest.mark.parametrize(

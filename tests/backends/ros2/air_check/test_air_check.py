@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -18,6 +19,7 @@ from handcart.backends.ros2.bench.bench_faults import BenchFaults, TopicFault
 from handcart.backends.ros2.bench.local_air import LocalLink
 from handcart.backends.ros2.bench.local_bench import LocalBench
 from handcart.backends.ros2.wire.messages import set_stamp
+from handcart.files.errors import InputError
 from tests.backends.ros2.conftest import WORLD
 
 SECONDS = 0.8
@@ -51,6 +53,7 @@ def hear(robot: RobotFile, inner: Backend) -> Any:
         true: dict[str, Any] | None = None,
         faults: tuple[str, ...] = (),
         others: tuple[tuple[str, str], ...] = (),
+        seconds: float = SECONDS,
     ) -> AirReport:
         planned = BenchFaults(robot.period_s, tuple(map(TopicFault.read, faults)))
         bench = LocalBench(robot, RosSpec(**(true or {})), inner, planned)
@@ -58,7 +61,7 @@ def hear(robot: RobotFile, inner: Backend) -> Any:
         for kind, topic in others:
             other.publisher(kind, topic)
         spec = RosSpec(**{"first_message_s": 0.5, **(said or {})})
-        return listen(robot, spec, bench.link, bench.step, SECONDS)
+        return listen(robot, spec, bench.link, bench.step, seconds)
 
     return heard
 
@@ -95,6 +98,25 @@ def test_a_difference_is_found_at_its_key(
 ) -> None:
     faults = hear(said, true).faults
     assert any(fault.key[1] == key and words in fault.words for fault in faults), faults
+
+
+def test_a_lidar_upside_down_is_found_until_the_file_says_so(hear: Any) -> None:
+    flipped = {"lidar": {"upside_down": True}}
+    faults = [fault.words for fault in hear({}, flipped, seconds=0.2).faults]
+    assert any("180.0 deg from where" in words and "`upside_down`" in words for words in faults), faults
+    assert hear(flipped, flipped, seconds=0.2).faults == ()
+
+
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        ("nan@scna", "'scna' is not a topic of this bench; did you mean 'scan'?"),
+        ("rejects@odom", "'odom' is not an action of this bench; allowed: nothing"),
+    ],
+)
+def test_a_fault_that_the_bench_cannot_inject_is_refused(hear: Any, fault: str, words: str) -> None:
+    with pytest.raises(InputError, match=re.escape(words)):
+        hear(faults=(fault,))
 
 
 @pytest.mark.parametrize(

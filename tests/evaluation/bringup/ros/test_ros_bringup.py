@@ -85,7 +85,7 @@ def test_a_base_as_its_file_says_passes(site_of: Any) -> None:
     ("wrong", "words"),
     [
         ("odometry.forward=-1", r"odom \(forward\): .* the sign is the other way round"),
-        ("scan.side=-1", r"scan: the base turned by .* turned with it instead of against it"),
+        ("scan.side=-1", r"scan: the base turned by .* turned with it .* `upside_down: true` in"),
         ("odometry.turn=-1", r"odom \(turn\): .* the sign is the other way round"),
         ("odometry.forward=1.3", "a factor of 1.3"),
         ("velocity.forward=-1", r"cmd_vel \(forward\): .* the sign is the other way round"),
