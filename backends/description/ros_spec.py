@@ -53,8 +53,8 @@ class RosLidarSpec(RosTopicSpec):
 
     topic: Topic = "scan"
     upside_down: bool = False
-    """True for a lidar mounted upside down: its driver counts the angles clockwise as seen from above, while
-    the frame in the robot's file stays upright, with the same x axis."""
+    """True for a lidar mounted upside down, whose driver counts the angles clockwise as seen from above. The
+    frame in the robot's file stays upright, with the same x axis."""
 
 
 class RosGpsSpec(RosTopicSpec):

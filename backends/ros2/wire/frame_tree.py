@@ -11,7 +11,7 @@ from handcart.robotics.geometry.transform import Transform, inverse
 
 MAX_DEPTH = 100
 UPRIGHT_T_FLIPPED = np.diag([1.0, -1.0, -1.0, 1.0])
-"""Pose (4, 4) of the frame of a sensor mounted upside down, in its upright frame: half a turn about x."""
+"""Pose (4, 4) of the frame of a sensor mounted upside down, in its upright frame; half a turn about x."""
 
 
 class FrameTree:
