@@ -33,10 +33,16 @@ def world_with(folder: Path, pulls: Sequence[Mapping[str, Any]], friction: float
     return path
 
 
-def rig_holding(world: Path, robot: str = "librarian", seed: int = 0, backend: str = "kinematic") -> Rig:
+def rig_holding(
+    world: Path,
+    robot: str = "librarian",
+    seed: int = 0,
+    backend: str = "kinematic",
+    places: Path = TASK_FOLDER / "places.yaml",
+) -> Rig:
     """Return a rig with the robot at home, whose fingers have closed on the object from above."""
     known = {"objects": TASK_FOLDER / "objects.yaml"}
-    files = RigFiles(world, TASK_FOLDER / "map.yaml", TASK_FOLDER / "places.yaml", known, "home")
+    files = RigFiles(world, TASK_FOLDER / "map.yaml", places, known, "home")
     rig = build_rig(files, robot=robot, seed=seed, backend=backend)
     hand_T_object = _from_above(rig)
     rig.robot.gripper.move(0.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Sequence
+from collections.abc import Generator
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +23,7 @@ from handcart.robotics.perception.drawing.overlay import draw_overlay
 from handcart.robotics.perception.landmarks.tag_reader import Tag, read_tags, tag_poses
 from handcart.robotics.perception.objects.upright_fit import TagView, fit_upright
 
+from .doors import Doors
 from .doors_file import KnownDoor
 
 VIEW_DISTANCES_M = (0.34, 0.40, 0.28, 0.46)
@@ -52,7 +53,7 @@ def find_handle(
     name: str,
     door: KnownDoor,
     expected: Transform,
-    around: Sequence[Solid],
+    front: Solid,
     evidence: Evidence,
 ) -> Generator[None, None, LocatedHandle]:
     """Look at the tags of a door from two sides, and return where its handle is.
@@ -63,7 +64,7 @@ def find_handle(
         name: name of the door.
         door: the door as the file describes it.
         expected: expected pose base_T_handle (4, 4).
-        around: obstacles for the arm, in the base frame.
+        front: the front of the door, in the base frame.
         evidence: evidence of the attempt, to which the last picture is added.
 
     Raises:
@@ -79,8 +80,9 @@ def find_handle(
         if any(abs(turn - other) < MIN_TURN_RAD for other in seen_from):
             continue
         point = (expected @ door.tags[0].on_door(door.handle.standoff))[:3, 3]
+        towards, swept = _towards(expected, turn), model.of(Doors).swept_areas()
         if not (
-            yield from look_from(robot, model, point, _towards(expected, turn), VIEW_DISTANCES_M, around)
+            yield from look_from(robot, model, point, towards, VIEW_DISTANCES_M, (front,), open_areas=swept)
         ):
             continue
         looked += 1

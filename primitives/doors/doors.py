@@ -15,6 +15,7 @@ from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.section import NamedFiles, Section
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.movable_areas import MovableArea
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .doors_file import DoorsFile, gripper_findings
 
@@ -95,6 +96,13 @@ class Doors(Section):
     @override
     def movable_areas(self) -> Iterator[MovableArea]:
         return (door.movable_area() for door in self.doors.doors.values())
+
+    def swept_areas(self) -> list[FloatArray]:
+        """Return outlines (n, 2) on the map, in [m], of the areas that the doors sweep.
+
+        What the map shows there may be a door itself, where it was when the map was made.
+        """
+        return [door.movable_area().outline for door in self.doors.doors.values()]
 
     def state_of(self, name: str) -> DoorState | None:
         """Return the state in which the robot left a door; None if it has not moved the door."""

@@ -18,10 +18,10 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
-from handcart.primitives.motions.arm_motion import move_to_joints, move_to_posture
 from handcart.primitives.motions.grip import close, holds, open_to, width_off
 from handcart.primitives.motions.pushing import push
-from handcart.primitives.objects.site.object_site import base_T_map, surroundings
+from handcart.primitives.objects.site.object_site import base_T_map
+from handcart.primitives.objects.site.roomy_motion import move_with_room, surroundings_to_try
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import NEEDS_EMPTY
@@ -29,7 +29,7 @@ from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Seen, Snapshot
 from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.transform import Transform, inverse, transform
-from handcart.robotics.kinematics.shapes import Box, Solid
+from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.doors.door_joint import DoorJoint
 from handcart.robotics.manipulation.doors.path_fit import PathFit, PathPrior
 from handcart.robotics.numerics.arrays import FloatArray
@@ -64,7 +64,7 @@ class MoveDoor(ActionPrimitive):
     """Bring the arm home in the end, as it must be before the base drives away."""
 
     needs: ClassVar = (Arm, Gripper, AnyCamera)
-    reads: ClassVar = ("doors", "objects", "sightings", "held_object")
+    reads: ClassVar = ("map", "sensed_cells", "doors", "objects", "sightings", "held_object")
     writes: ClassVar = ("door_states",)
     hand: ClassVar = NEEDS_EMPTY
     max_joint_error: ClassVar = MAX_JOINT_ERROR_RAD
@@ -164,7 +164,8 @@ class MoveDoor(ActionPrimitive):
         self._states_before = model.of(Doors).door_states
         model.of(Doors).note(state)
         if self.stow:
-            yield from move_to_posture(robot, "home", around=surroundings(robot, model))
+            home, swept = np.array(robot.spec.posture("home")), model.of(Doors).swept_areas()
+            yield from move_with_room(robot, model, home, open_areas=swept)
         self._done = True
 
     @override
@@ -214,20 +215,16 @@ class MoveDoor(ActionPrimitive):
         curvature = opens * joint.curvature()
         return PathPrior(heading, HEADING_SIGMA_RAD, curvature, CURVATURE_SIGMA_PER_M, SLOPE_SIGMA)
 
-    def _around(
-        self, robot: Robot, model: ModelView, joint: DoorJoint, base_T_handle: Transform
-    ) -> tuple[Solid, ...]:
-        """Return the bodies around, with the front of the door, in the base frame."""
+    def _front(self, model: ModelView, joint: DoorJoint, base_T_handle: Transform) -> Box:
+        """Return the front of the door, in the base frame."""
         middle, size = self.known(model).front(joint)
-        front = Box(np.asarray(base_T_handle @ middle), size, front_in_world(self.door))
-        return (*surroundings(robot, model), front)
+        return Box(np.asarray(base_T_handle @ middle), size, front_in_world(self.door))
 
     def _look(
         self, robot: Robot, model: ModelView, joint: DoorJoint, expected: Transform
     ) -> Generator[None, None, LocatedHandle]:
-        around = self._around(robot, model, joint, expected)
-        door = self.known(model)
-        return (yield from find_handle(robot, model, self.door, door, expected, around, self.evidence))
+        front, door = self._front(model, joint, expected), self.known(model)
+        return (yield from find_handle(robot, model, self.door, door, expected, front, self.evidence))
 
     def _check_place(self, believed: DoorJoint, seen: Transform) -> None:
         """Raise `Discrepancy` if a handle seen at base_T_handle (4, 4) is far from the file's place of it, at
@@ -246,8 +243,11 @@ class MoveDoor(ActionPrimitive):
         self, robot: Robot, model: ModelView, door: KnownDoor, joint: DoorJoint, span: tuple[float, float]
     ) -> Generator[None, None, PlannedHandle]:
         seen = joint.handle_at(span[0])
-        around = self._around(robot, model, joint, seen)
-        plan = yield from robot.compute(plan_handle, robot, door, seen, joint, span, around)
+        front, swept = self._front(model, joint, seen), model.of(Doors).swept_areas()
+        for bodies in surroundings_to_try(robot, model, open_areas=swept):
+            plan = yield from robot.compute(plan_handle, robot, door, seen, joint, span, (*bodies, front))
+            if plan is not None and plan.reach == 1.0:
+                break
         if plan is None:
             raise Discrepancy(f"the handle of {self.door} is out of reach", cause=causes.OUT_OF_REACH)
         if plan.reach < 1.0:
@@ -268,9 +268,9 @@ class MoveDoor(ActionPrimitive):
         span: tuple[float, float],
     ) -> Generator[None, None, FloatArray]:
         """Take the handle; return the middle (3,) of the bar in the frame of the hand, in [m]."""
-        around = self._around(robot, model, joint, joint.handle_at(span[0]))
+        front, swept = self._front(model, joint, joint.handle_at(span[0])), model.of(Doors).swept_areas()
         yield from open_to(robot)
-        yield from move_to_joints(robot, plan.before, around=around)
+        yield from move_with_room(robot, model, plan.before, also_around=(front,), open_areas=swept)
         self._bias = yield from measured_bias(robot)
         pushed = yield from push(robot, plan.base_T_grip, GRASP_SPEED_M_S, GRASP_TOUCH_FORCE_N)
         if pushed.met:

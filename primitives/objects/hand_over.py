@@ -19,7 +19,7 @@ from handcart.files.suggest import suggest
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
-from handcart.primitives.motions.arm_motion import move_straight, move_to_joints
+from handcart.primitives.motions.arm_motion import move_straight
 from handcart.primitives.motions.grip import close, open_to
 from handcart.primitives.motions.pushing import relax
 from handcart.primitives.objects.holding.carrying import stow
@@ -31,6 +31,7 @@ from handcart.primitives.objects.knowledge.object_names import name_in_world
 from handcart.primitives.objects.knowledge.objects import HeldObject, Objects
 from handcart.primitives.objects.looking.floor_look import FloorLook, look_at_floor
 from handcart.primitives.objects.site.object_site import held_box, kind_of, surroundings
+from handcart.primitives.objects.site.roomy_motion import move_with_room, surroundings_to_try
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.preconditions.hand_use import LETS_GO
@@ -80,7 +81,7 @@ class HandOver(ActionPrimitive):
     """Bring the arm home in the end, as it must be before the base drives away."""
 
     needs: ClassVar = (ForceArm, Gripper, AnyCamera)
-    reads: ClassVar = ("objects", "detectors", "sightings")
+    reads: ClassVar = ("map", "sensed_cells", "objects", "detectors", "sightings")
     writes: ClassVar = ("held_object",)
     hand: ClassVar = LETS_GO
     asks_permission: ClassVar = True
@@ -161,16 +162,17 @@ class HandOver(ActionPrimitive):
 
     def _planned(self, robot: Robot, model: ModelView, held: HeldObject) -> Generator[None, None, FloatArray]:
         """Return the joints (n,) that offer the object, in [rad] or [m]."""
-        kind, around = kind_of(model, held.object), surroundings(robot, model)
+        kind, grip = kind_of(model, held.object), held.hand_T_object
         if self.posture is None:
             height = 1e-3 * self.height_mm
-            found = yield from robot.compute(offering_joints, robot, kind, held.hand_T_object, height, around)
-            if found is None:
-                raise Discrepancy(f"the arm can't hold {held.object} out freely", cause=causes.OUT_OF_REACH)
-            return found
+            for around in surroundings_to_try(robot, model):
+                found = yield from robot.compute(offering_joints, robot, kind, grip, height, around)
+                if found is not None:
+                    return found
+            raise Discrepancy(f"the arm can't hold {held.object} out freely", cause=causes.OUT_OF_REACH)
         joints = np.array(robot.spec.posture(self.posture))
         base_T_hand = robot.arm_model.forward(joints)
-        up = float((base_T_hand @ held.hand_T_object)[2, 2])
+        up = float((base_T_hand @ grip)[2, 2])
         tilt = math.acos(min(1.0, max(-1.0, up)))
         if kind.upright and tilt > UPRIGHT_TOLERANCE_RAD:
             tilted = Measured("Arm", "tilt", math.degrees(tilt), math.degrees(UPRIGHT_TOLERANCE_RAD), "deg")
@@ -194,7 +196,7 @@ class HandOver(ActionPrimitive):
         held = model.of(Objects).held_object
         assert held is not None
         shape = held_box(kind_of(model, held.object), held.hand_T_object)
-        for _ in move_to_joints(robot, joints, shape, surroundings(robot, model)):
+        for _ in move_with_room(robot, model, joints, shape):
             yield
             watch.feel()
             force = watch.lasting(CARRIED_SHARE)

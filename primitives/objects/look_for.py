@@ -70,7 +70,7 @@ class LookFor(ActionPrimitive):
     """Required accuracy of the heading: 3 sigma; a round object has none."""
 
     needs: ClassVar = (Arm, AnyCamera)
-    reads: ClassVar = ("objects", "detectors", "held_object")
+    reads: ClassVar = ("map", "sensed_cells", "objects", "detectors", "held_object")
     writes: ClassVar = ("sightings", "surface_poses", "places")
 
     _look: ObjectLook = PrivateAttr(default_factory=ObjectLook)

@@ -24,7 +24,7 @@ class MoveArm(ActionPrimitive):
     """Name of a posture in the robot's file."""
 
     needs: ClassVar = (Arm,)
-    reads: ClassVar = ("objects", "sightings", "held_object")
+    reads: ClassVar = ("map", "sensed_cells", "objects", "sightings", "held_object")
 
     @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:

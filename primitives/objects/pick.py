@@ -47,7 +47,7 @@ from handcart.primitives.objects.site.object_site import (
     kind_of,
     surface_of,
 )
-from handcart.primitives.objects.site.roomy_motion import move_with_room, surroundings_to_try
+from handcart.primitives.objects.site.roomy_motion import move_with_room, rooms, surroundings_to_try
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import TAKES_OBJECT
@@ -89,7 +89,7 @@ class Pick(ActionPrimitive):
     """Bring the object within the robot's outline in the end, as it must be before the base drives away."""
 
     needs: ClassVar = (Arm, Gripper, AnyCamera)
-    reads: ClassVar = ("objects", "detectors")
+    reads: ClassVar = ("map", "sensed_cells", "objects", "detectors")
     writes: ClassVar = ("sightings", "held_object", "surface_poses", "places")
     hand: ClassVar = TAKES_OBJECT
 
@@ -221,7 +221,7 @@ class Pick(ActionPrimitive):
         self._beside = self._seen_beside(robot, model, kind, base_T_object)
         target = kind.body(name_in_world(self.object)).seen_from(base_T_object)
         *roomy, last = surroundings_to_try(robot, model, self.object)
-        for bodies in (*roomy[:1], last):
+        for bodies in (*roomy[:: len(rooms(robot, model))], last):
             around = (*bodies, *self._beside)
             choice = yield from robot.compute(plan_grasps, robot, kind, base_T_object, around, target)
             if choice.planned:

@@ -92,10 +92,7 @@ class PlaceObject(ActionPrimitive):
     """Bring the arm home in the end, as it must be before the base drives away."""
 
     needs: ClassVar = (Arm, Gripper, AnyCamera)
-    reads: ClassVar = (
-        "objects",
-        "detectors",
-    )
+    reads: ClassVar = ("map", "sensed_cells", "objects", "detectors")
     writes: ClassVar = ("sightings", "held_object", "surface_poses", "places")
     hand: ClassVar = LETS_GO
 

@@ -21,7 +21,7 @@ class Stow(ActionPrimitive):
     """
 
     needs: ClassVar = (Arm,)
-    reads: ClassVar = ("objects", "sightings", "held_object")
+    reads: ClassVar = ("map", "sensed_cells", "objects", "sightings", "held_object")
 
     @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Generator, Iterator, Mapping
+from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
@@ -25,6 +25,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.map_boxes import boxes_near
 from handcart.robotics.navigation.maps.movable_areas import MovableArea
 from handcart.robotics.navigation.maps.moved_things import MovedThing
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .surface_places import NoStandingPlace, followed_place, has_moved, standing_place
 from .surface_scan import is_in_scan, scan_surface
@@ -93,8 +94,6 @@ class Objects(Section):
     """Detectors of other packages, by name."""
     stands: Mapping[str, Place] = field(default_factory=dict, repr=False, compare=False)
     """Computed places of the base, by surface."""
-    shown: GridMap | None = field(default=None, repr=False, compare=False)
-    """The map, for what is on it beside the surfaces."""
 
     @override
     @classmethod
@@ -123,7 +122,6 @@ class Objects(Section):
     def fit(self, robot: RobotFile, grid: GridMap, places: Mapping[str, Place]) -> Iterator[Finding]:
         if self.listed is None:
             return
-        self.shown = grid
         found: dict[str, Place] = {}
         for name, surface in self.objects.surfaces.items():
             if surface.place is not None:
@@ -234,22 +232,25 @@ class Objects(Section):
         measured = next((pose.pose for pose in self.surface_poses if pose.surface == name), None)
         return surface if measured is None else surface.moved_to(measured)
 
-    def walls_near(self, point: Pose2) -> list[Box]:
-        """Return boxes, posed on the map, for the map's obstacles within `WALL_REACH_M` of a point.
+    def walls_near(self, grid: GridMap, point: Pose2, open_areas: Sequence[FloatArray] = ()) -> list[Box]:
+        """Return boxes, posed on the map, for a map's obstacles within `WALL_REACH_M` of a point.
 
         Furniture that is a surface of the objects file is left out. The map doesn't show how high obstacles
         are: the boxes are higher than an arm reaches.
+
+        Args:
+            grid: the map.
+            point: pose of the base on the map.
+            open_areas: outlines (n, 2) on the map, in [m], of further areas whose obstacles are left out.
         """
-        if self.shown is None:
-            return []
-        hidden = [
+        outlines = (
             outline
             for name, surface in self.objects.surfaces.items()
             if surface.height_m > 0.0 or surface.walls  # an area of the floor hides nothing
             for outline in (surface.outline, self.surface(name).outline)
-        ]
-        margin = EDGE_CELLS * self.shown.resolution
-        found = boxes_near(self.shown, (point.x, point.y), WALL_REACH_M, hidden, margin)
+        )
+        margin = EDGE_CELLS * grid.resolution
+        found = boxes_near(grid, (point.x, point.y), WALL_REACH_M, [*open_areas, *outlines], margin)
         return [
             Box(
                 transform((box.x, box.y, WALL_HEIGHT_M / 2)),

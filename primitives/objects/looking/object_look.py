@@ -164,6 +164,7 @@ def look_from(
     also_around: Sequence[Solid] = (),
     shown: FloatArray | None = None,
     without: str = "",
+    open_areas: Sequence[FloatArray] = (),
 ) -> Generator[None, None, bool]:
     """Move the camera to a view of a point in the base frame; return False if no view is free.
 
@@ -176,14 +177,16 @@ def look_from(
         also_around: further bodies that the arm must not touch, in the base frame.
         shown: (m, 3) points in the base frame, in [m], that hand and held object should not hide.
         without: name of an object that is left out of the surroundings: its body is among `also_around`.
+        open_areas: outlines (n, 2) on the map, in [m], of areas without walls.
     """
     held = held_shape(model)
-    for bodies in surroundings_to_try(robot, model, without):
+    for bodies in surroundings_to_try(robot, model, without, open_areas):
         around = (*bodies, *also_around)
         collision = collision_model(robot, held, around)
         found = yield from robot.compute(view_joints, robot, collision, point, towards, distances, shown)
         if found is not None:
-            yield from move_with_room(robot, model, found[0], held, tuple(also_around), without)
+            also = tuple(also_around)
+            yield from move_with_room(robot, model, found[0], held, also, without, open_areas)
             return True
     return False
 

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.driving.driving import map_with_cells
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import collision_model, move_to_joints
 from handcart.primitives.objects.knowledge.objects import Objects
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
-from handcart.robotics.kinematics.shapes import Solid
+from handcart.robotics.kinematics.shapes import Box, Solid
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .object_site import base_T_map, surroundings
@@ -38,22 +40,51 @@ def rooms(robot: Robot, model: ModelView) -> tuple[float, ...]:
     return (min(MAX_ROOM_M, POSE_SIGMAS * math.hypot(place, turn)), 0.0)
 
 
-def surroundings_to_try(robot: Robot, model: ModelView, without: str = "") -> list[tuple[Solid, ...]]:
+def walls_to_try(
+    robot: Robot, model: ModelView, open_areas: Sequence[FloatArray] = ()
+) -> list[tuple[Solid, ...]]:
+    """Return walls around the robot to plan with, in the base frame; empty if there are none.
+
+    The first ones stand for the map's obstacles outside the surfaces and for unmapped ones that the lidar has
+    sensed lately, the last ones for the map's alone. They are higher than the arm reaches, because neither
+    map nor lidar shows how high obstacles are.
+
+    Args:
+        robot: robot at the surfaces.
+        model: knows the map and the surfaces.
+        open_areas: outlines (n, 2) on the map, in [m], of areas without walls.
+    """
+    objects, to_base = model.of(Objects), base_T_map(robot)
+    mapped = objects.walls_near(model.map, robot.pose, open_areas)
+    found = [mapped] if mapped else []
+    if len(model.sensed_cells):
+        sensed = objects.walls_near(map_with_cells(model), robot.pose, open_areas)
+        if _extents(sensed) != _extents(mapped):
+            found.insert(0, sensed)
+    return [tuple(box.seen_from(to_base) for box in boxes) for boxes in found]
+
+
+def _extents(boxes: Sequence[Box]) -> list[tuple[bytes, tuple[float, ...]]]:
+    return [(box.pose.tobytes(), tuple(box.size)) for box in boxes]
+
+
+def surroundings_to_try(
+    robot: Robot, model: ModelView, without: str = "", open_areas: Sequence[FloatArray] = ()
+) -> list[tuple[Solid, ...]]:
     """Return models of the surroundings to plan in, those first that keep the arm farthest from walls.
 
-    The first models also contain walls for the map's obstacles outside the surfaces, higher than the arm
-    reaches, because the map doesn't show how high obstacles are. The last one is `surroundings` without any
+    The first models also contain the walls of `walls_to_try`. The last one is `surroundings` without any
     additional room.
 
     Args:
         robot: robot at the surfaces.
-        model: knows surfaces and objects.
+        model: knows map, surfaces and objects.
         without: name of an object that is left out.
+        open_areas: outlines (n, 2) on the map, in [m], of areas without walls.
     """
-    to_base = base_T_map(robot)
-    walls = tuple(box.seen_from(to_base) for box in model.of(Objects).walls_near(robot.pose))
     known = [surroundings(robot, model, without, room) for room in rooms(robot, model)]
-    return [*[(*bodies, *walls) for bodies in known if walls], *known]
+    walls = walls_to_try(robot, model, open_areas)
+    return [*[(*bodies, *around) for around in walls for bodies in known], *known]
 
 
 def move_with_room(
@@ -63,6 +94,7 @@ def move_with_room(
     held: Solid | None = None,
     also_around: tuple[Solid, ...] = (),
     without: str = "",
+    open_areas: Sequence[FloatArray] = (),
 ) -> Periods:
     """Move to joints (n,), in [rad] or [m], at a distance from walls if both ends and a path allow it.
 
@@ -73,12 +105,13 @@ def move_with_room(
         held: held object, posed in the hand frame.
         also_around: further bodies to keep clear of, in the base frame.
         without: name of an object that is left out of the surroundings.
+        open_areas: outlines (n, 2) on the map, in [m], of areas without walls.
 
     Raises:
         Discrepancy: no free path was found, not even without the additional distance.
     """
     here = robot.arm.command()
-    *roomy, last = surroundings_to_try(robot, model, without)
+    *roomy, last = surroundings_to_try(robot, model, without, open_areas)
     for bodies in roomy:
         around = (*bodies, *also_around)
         collision = collision_model(robot, held, around)

@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from handcart.backends.robot.robot import Robot
+from handcart.evaluation.trials.rig import Rig
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.doors.close_door import CloseDoor
 from handcart.primitives.doors.doors import Doors
+from handcart.primitives.doors.handle_grasp import PlannedHandle
 from handcart.primitives.doors.move_door import MoveDoor
 from handcart.primitives.doors.open_door import OpenDoor
+from handcart.primitives.objects.knowledge.objects import WALL_NAME
+from handcart.primitives.objects.site.roomy_motion import walls_to_try
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
+from handcart.robotics.kinematics.shapes import corners
 
 from .door_rig import opening, props, rig_at
 
@@ -113,3 +120,54 @@ def test_closed_door_is_not_closed_again(tmp_path: Path) -> None:
     with rig_at("drawer", tmp_path) as rig:
         outcome = rig.do(CloseDoor(door="drawer"))
         assert isinstance(outcome, Fail) and outcome.cause == causes.MISPLACED
+
+
+def _with_wall(rig: Rig) -> None:
+    """Mark a wall on the model's map, flush with the front of the cupboard; a cell of it is in front."""
+    grid = rig.model.map
+    occupied = grid.occupied.copy()
+    low, high = grid.to_cell(np.array([[3.92, 2.0], [4.1, 3.95]]))
+    occupied[low[0] : high[0], low[1] : high[1]] = True
+    rig.model.map = grid._replace(occupied=occupied)
+
+
+def test_walls_around_a_door_are_kept_clear_of_but_not_the_door(tmp_path: Path) -> None:
+    with rig_at("cupboard", tmp_path) as rig:
+        _with_wall(rig)
+        model: Any = rig.model.view(OpenDoor(door="cupboard"))  # type: ignore[arg-type]
+        walls = walls_to_try(rig.robot, model, model.of(Doors).swept_areas())[-1]
+        boxes = [corners(wall.seen_from(rig.robot.pose.lift()))[:, :2] for wall in walls]
+        covered = [
+            any((box.min(axis=0) < point).all() and (point < box.max(axis=0)).all() for box in boxes)
+            for point in ((3.94, 2.7), (3.94, 3.0), (3.94, 3.3), (3.94, 3.8))
+        ]
+        assert covered == [True, False, False, True]
+
+
+@pytest.mark.slow
+def test_door_in_a_mapped_wall_is_opened(tmp_path: Path) -> None:
+    with rig_at("cupboard", tmp_path) as rig:
+        _with_wall(rig)
+        assert isinstance(rig.do(OpenDoor(door="cupboard", angle_deg=20.0)), Success)
+        assert math.degrees(opening(rig, "cupboard")) == pytest.approx(20.0, abs=0.6)
+
+
+@pytest.mark.parametrize("is_blocked", [False, True])
+def test_handle_is_taken_clear_of_walls_where_that_is_possible(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_blocked: bool
+) -> None:
+    planned: list[bool] = []
+
+    def plan(*arguments: Any) -> PlannedHandle | None:
+        has_wall = any(body.name == WALL_NAME for body in arguments[-1])
+        planned.append(has_wall)
+        return None if is_blocked and has_wall else PlannedHandle(np.zeros(6), np.eye(4), 1.0, 0.5)
+
+    monkeypatch.setattr("handcart.primitives.doors.move_door.plan_handle", plan)
+    with rig_at("cupboard", tmp_path) as rig:
+        _with_wall(rig)
+        primitive = OpenDoor(door="cupboard")
+        model: Any = rig.model.view(primitive)  # type: ignore[arg-type]
+        joint = primitive.believed_joint(rig.robot, model)
+        list(primitive._planned(rig.robot, model, primitive.known(model), joint, (0.0, 0.3)))
+    assert planned == ([True, False] if is_blocked else [True])

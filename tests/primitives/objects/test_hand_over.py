@@ -16,6 +16,8 @@ from handcart.primitives.objects.hand_over import HandOver
 from handcart.primitives.objects.knowledge.objects import Objects
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 
+from .fetching import changed
+
 PULL = {"waits_s": 1.0, "force_n": 15.0, "sigma_n": 3.0, "sigma_deg": 15.0, "tremor_n": 1.0}
 
 
@@ -54,6 +56,17 @@ def test_nobody_pulls_and_the_object_stays_in_the_hand(tmp_path: Path, pulls: An
         assert rest_of(rig) is Rest.HAND
         assert scene_of(rig).joints == pytest.approx(before, abs=0.005)
         assert rig.model.of(Objects).held_object is not None
+
+
+@pytest.mark.slow
+def test_object_is_not_held_out_into_a_mapped_wall(tmp_path: Path) -> None:
+    """The robot faces a wall 0.27 m ahead of its outline, nearer than it would hold the object out."""
+    home = ("x_m: 1.0, y_m: 1.0, heading_deg: 0.0", "x_m: 0.62, y_m: 1.5, heading_deg: 180.0")
+    places, world = changed(tmp_path, "places.yaml", home), changed(tmp_path, "world.yaml", home)
+    with rig_holding(world, seed=3, places=places) as rig:
+        outcome = rig.do(HandOver(wait_s=1.0))
+        assert isinstance(outcome, Fail) and outcome.cause.name == "not_taken", outcome
+        assert rest_of(rig) is Rest.HAND
 
 
 @pytest.mark.slow

@@ -65,9 +65,27 @@ def test_map_is_a_wall_in_what_is_tried_first(rig: Rig) -> None:
         assert any((np.abs(body.pose[:2, 3] - cell) <= 0.5 * np.array(body.size[:2])).all() for body in walls)  # type: ignore[union-attr]
 
 
+def test_unmapped_post_that_the_lidar_sees_is_a_wall_first(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Postures that the post blocks are tried among the walls of the map alone, then without any."""
+    post = rig.robot.pose.apply(np.array([[0.6, 0.3]]))[0]
+    monkeypatch.setattr(rig.model, "sensed_cells", np.array([[*post, 50.0, 0.0]]))
+    tried = surroundings_to_try(rig.robot, view_of(rig))
+    map_T_base = rig.robot.pose.lift()
+    found = [
+        any(
+            (np.abs(body.seen_from(map_T_base).pose[:2, 3] - post) < 0.05).all()
+            for body in bodies
+            if body.name == WALL_NAME
+        )
+        for bodies in tried
+    ]
+    assert found == [True, True, False, False, False, False]
+    assert [any(body.name == WALL_NAME for body in bodies) for bodies in tried] == [*[True] * 4, False, False]
+
+
 def test_table_of_the_file_is_no_wall(rig: Rig) -> None:
     table = rig.model.of(Objects).objects.surfaces["table_a"]
-    walls = rig.model.of(Objects).walls_near(table.floor)
+    walls = rig.model.of(Objects).walls_near(rig.model.map, table.floor)
     assert len(walls) == 1
     assert table.margin(*walls[0].pose[:2, 3]) < -0.1
 
