@@ -22,7 +22,8 @@ class Recording(ABC):
 
     @abstractmethod
     def look(self, time: float) -> None:
-        """Record the traffic of a period that ended at `time`, in [s] of the robot's clock.
+        """Record the messages exchanged with the robot in the period that ended at `time`, in [s] of the
+        robot's clock.
 
         The data are flushed to the operating system, so that nothing is lost if the process is killed.
         """

@@ -77,7 +77,7 @@ class Result:
 
 @dataclass(frozen=True)
 class FileCheck:
-    """Results of checking a file before anything moves."""
+    """Results of checking the file of a task, robot or other kind, before anything moves."""
 
     findings: tuple[Finding, ...]
     """Faults of the file, each with its place."""

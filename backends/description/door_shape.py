@@ -93,7 +93,7 @@ class DoorHandle(FileModel):
 
     @property
     def standoff(self) -> float:
-        """Distance from the front of the door to the middle of the bar, in [m]."""
+        """Distance from the front of the door to the middle of the handle's bar, in [m]."""
         return self.standoff_mm / 1e3
 
 

@@ -139,7 +139,9 @@ class CameraSpec(MountedSensorSpec):
 
     @property
     def info(self) -> CameraInfo | None:
-        """Content of the `camera_info` file; None without one."""
+        """Intrinsics of the camera from the file that `camera_info` in its section names; None if it names
+        none.
+        """
         return self._info
 
     def with_info(self, info: CameraInfo) -> Self:

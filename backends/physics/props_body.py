@@ -14,8 +14,8 @@ from handcart.backends.simulation.world.scene_props import SceneProps
 
 
 class Pieces(NamedTuple):
-    """Engine, robot, world, gripper and grip of a physics simulation, for the code that simulates a domain's
-    objects (`PropsBody`).
+    """Parts of a physics simulation (engine, robot, world, gripper and grip) that a `PropsBody` needs, which
+    simulates the objects of one kind of task.
     """
 
     engine: Engine
@@ -44,11 +44,11 @@ class PropsBody:
         """Act before each chunk of the period; a chunk is the time between two commands to the drives."""
 
     def end(self) -> None:
-        """Act at the end of a period, before the poses of things are read from the engine."""
+        """Update the simulation of this domain's objects at the end of a control period, before the poses of
+        things are read from the physics engine.
+        """
 
     @property
     def keeps_grip(self) -> bool:
-        """True if the hand is treated as holding its object although the fingers do not press on this
-        object.
-        """
+        """True if the hand counts as holding its object even when the fingers do not press on the object."""
         return False

@@ -21,8 +21,7 @@ KEY_FILE = "checkpoint_key"
 
 
 def sign(content: bytes, bodies: str) -> bytes:
-    """Return a signature that proves that this user's programs saved a state, for the bodies that are
-    described.
+    """Return a signature which proves that programs of this user saved a state of these bodies.
 
     Args:
         content: bytes of the saved state.

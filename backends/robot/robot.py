@@ -326,7 +326,7 @@ class Robot:
         return self._pictures.take(self.view_camera.image(), self._carried_by(), noisy)
 
     def photo(self) -> Photo:
-        """Return the picture of `view_camera` with its pose and the time; raise as `picture` does."""
+        """Return picture, pose and time of `view_camera`; raise `StaleReading` for a repeated picture."""
         camera = self.view_camera
         return Photo(self.picture(), camera.model, self.base_T_camera(camera), self.time)
 

@@ -21,9 +21,9 @@ Side = Annotated[int, Field(ge=8, le=4096)]
 class DepthErrors(FileModel):
     """Errors of a depth camera. The defaults are those of a camera with structured light.
 
-    The sigma of a depth z is `sigma_mm` + `sigma_mm_per_m2` (z - `sigma_from_m`)^2, as measured by Nguyen,
-    Izadi and Lovell, "Modeling Kinect sensor noise for improved 3D reconstruction and tracking" (2012), eq.
-    3.
+    The standard deviation of a depth z is `sigma_mm` + `sigma_mm_per_m2` (z - `sigma_from_m`)^2, as measured
+    by Nguyen, Izadi and Lovell, "Modeling Kinect sensor noise for improved 3D reconstruction and tracking"
+    (2012), eq. 3.
     """
 
     sigma_mm: NotNegative = 1.2

@@ -50,7 +50,7 @@ class ActivityRelations:
 
 
 def relations_of(definition: Definition) -> ActivityRelations:
-    """Return the initial relations and the moves of an activity.
+    """Return how the things of an activity are related to furniture at the start, and the moves to its goal.
 
     Raises:
         FileError: the activity needs things that the simulated worlds or robots do not have; it lists all of

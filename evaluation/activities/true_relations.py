@@ -70,7 +70,7 @@ def is_on_top(upper: TrueThing, lower: TrueThing) -> bool:
 def is_under(lower: TrueThing, upper: TrueThing) -> bool:
     """Return whether `upper` is above `lower`.
 
-    It is not if `upper` also has a part below `lower`, or `lower` a part above `upper`.
+    Return False if `upper` also has a part below `lower`, or `lower` has a part above `upper`.
     """
     below, above = _vertical_starts(lower)
     _, over = _vertical_starts(upper)

@@ -67,8 +67,9 @@ def make_row(
         rng: random generator.
         shelf: name of the shelf.
         first_accession: accession number of the first book; the others follow.
-        first_call: whole part of the lowest possible call number; all are within 100 of it.
-        misplaced: True to put one book out of order, beside or near a gap.
+        first_call: whole part of the lowest possible call number; the call numbers of the row are at most 100
+            above it.
+        misplaced: True to put one book out of order, next to a gap.
     """
     thickness = rng.integers(15, 46, 60).astype(float)
     count = int(np.searchsorted(np.cumsum(thickness), 1e3 * CLEAR_WIDTH_M - 20.0))

@@ -52,7 +52,9 @@ class UnmappedBox:
 
 @dataclass(frozen=True)
 class Library:
-    """Generated library with walls, shelves, books and obstacles of its world, and the robot's map."""
+    """Generated library: the walls, shelves, books and obstacles of its simulated world, and the map that the
+    robot has of it.
+    """
 
     seed: int
     walls: tuple[tuple[float, float, float, float], ...]

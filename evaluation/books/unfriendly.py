@@ -42,10 +42,11 @@ class _Making:
 def make_unfriendly(
     row: ShelfRow, wanted: Collection[int], factors: Collection[str], level: float, rng: np.random.Generator
 ) -> tuple[ShelfRow, dict[int, str]]:
-    """Return a row of books that is made more difficult, and why some lent books now have no slot.
+    """Return a row of books that is made more difficult, and the reasons why some lent books now have no
+    slot.
 
     Args:
-        row: the usual row.
+        row: the row before the change.
         wanted: accession numbers of the lent books that are to be returned.
         factors: names in `UNFRIENDLY_FACTORS`.
         level: difficulty, from 0 (none) to 1.

@@ -48,7 +48,9 @@ class Move(NamedTuple):
 
 
 def move_of(jogger: Jogger, axis: str) -> Move:
-    """Return a small test motion of an axis: of a wheel forward, of others away from the nearer limit."""
+    """Return a small test motion of an axis: a wheel moves forward, any other axis moves away from its nearer
+    limit.
+    """
     if axis.endswith("wheel"):
         return Move(0.1, "the wheel rolled the robot forward on its side", "mm", 1e3)
     lower, upper = jogger.limits(axis)

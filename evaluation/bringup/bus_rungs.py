@@ -30,7 +30,9 @@ class PlainNode(canopen.RemoteNode):
         super().__init__(node, drive_dictionary(node))
 
     def add_sdo(self, rx_cobid: int, tx_cobid: int) -> SdoClient:
-        """Create canopen's SDO client for this node; it needs no thread."""
+        """Create an SDO client for this node, as canopen's node does, but one that works without a receiving
+        thread.
+        """
         client: SdoClient = LineSdoClient(rx_cobid, tx_cobid, self.object_dictionary)  # type: ignore[no-untyped-call]
         self.sdo_channels.append(client)
         return client

@@ -104,7 +104,7 @@ class ScriptedOperator(BenchOperator):
         """Return the answer that the file of answers has for a question with yes or no.
 
         Raises:
-            UnansweredQuestion: the file has no such answer for this key.
+            UnansweredQuestion: the file has no answer, yes or no, for this key.
         """
         return bool(self._answer(key, question, bool))
 

@@ -26,7 +26,9 @@ Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 
 
 class Grid(FileModel):
-    """Evenly spaced values from one limit to another, including both."""
+    """Evenly spaced values of a parameter that a campaign varies, from a lower limit to an upper one,
+    including both.
+    """
 
     least: float
     most: float

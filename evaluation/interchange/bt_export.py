@@ -135,7 +135,9 @@ def parts_of_tree(root: XmlElement) -> TaskParts:
 
 
 def changed_leaves(root: XmlElement) -> Iterator[LostConstruct]:
-    """Yield the leaves of an exported, then edited behaviour tree that belong to no action of the task."""
+    """Yield the leaves that belong to no action of the task, in a behaviour tree that was exported and then
+    edited.
+    """
     top = _top(root)
     rows = (
         [descendant for descendant in _descendants(top) if ROW_PORT in descendant.attributes] if top else []

@@ -51,7 +51,9 @@ class TaskDraft:
         return found
 
     def placeholder(self) -> str:
-        """Return a preliminary name for a situation, which actions may use until `bind` replaces it."""
+        """Return a new preliminary name of a situation, for actions that are added before `bind` gives the
+        situation its final name.
+        """
         self._placeholders += 1
         return f"\0{self._placeholders}"
 

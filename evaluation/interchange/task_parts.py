@@ -98,9 +98,10 @@ def most_attempts(row: Row) -> int | None:
 
 
 def successes(row: Row) -> list[tuple[str, str, Any]]:
-    """Return next situation, result and probability of each kind of Success of an action.
+    """Return next situation, result and probability of each way in which an action can succeed, as its row of
+    the task states them.
 
-    The usual result comes first.
+    The first one is the usual way; the probability is None if the row does not state it.
     """
     if "then" not in row:
         return [(row["to"], "", row.get("p"))]

@@ -148,7 +148,9 @@ class Survey(ABC):
         """React to the start of an action, given its number in the run and its primitive."""
 
     def look(self, robot: Robot) -> None:
-        """Observe the robot after a period."""
+        """Observe the robot at the end of a control period, for checks and metrics of the survey; called
+        every period.
+        """
 
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
         """Return a message for each claim of an action's outcome that the ground truth contradicts.

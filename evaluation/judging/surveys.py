@@ -37,7 +37,9 @@ T = TypeVar("T")
 
 
 class NoSurvey(InputError):
-    """Error for an application domain that names a class which is not a `Survey`; raised before a run."""
+    """Error: an application domain names a class for checking its runs which is not a `Survey`; raised before
+    a run.
+    """
 
 
 def survey_kinds(run: SurveyedRun | None = None) -> tuple[type[Survey], ...]:

@@ -35,7 +35,7 @@ class LayeredBackend(Backend):
 
     @property
     def inner(self) -> Backend:
-        """Backend that this layer wraps."""
+        """Backend that this backend wraps, and whose readings or commands it changes."""
         return self._inner
 
     def _layer(self, part: Capability) -> Capability:
@@ -46,11 +46,11 @@ class LayeredBackend(Backend):
         return layer
 
     def pass_on(self, part: Capability, kind: Kind, method: str, *words: Any) -> Any:
-        """Call a method of an inner capability, or the method of this layer that replaces it.
+        """Call a method of the wrapped backend's capability, or the method of this backend that replaces it.
 
         Args:
-            part: inner capability.
-            kind: kind of the capability; a method of this layer for it begins with the kind's name, such as
+            part: capability of the wrapped backend.
+            kind: kind of the capability; the name of a replacing method begins with the kind's name, such as
                 `range_sensor_scan`.
             method: name of the method.
             *words: arguments of the call.

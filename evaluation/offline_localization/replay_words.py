@@ -14,7 +14,9 @@ MAX_SHOWN_FIXES = 12  # rejected fixes listed one by one
 
 
 def figures(replayed: Replayed) -> dict[str, Any]:
-    """Return figures of a localizer's replay of a log, by name: fixes, uncertainty and errors."""
+    """Return the metrics of a localizer that processed a recorded log, by name: fixes, uncertainty and
+    errors.
+    """
     claimed = np.sqrt(np.trace(replayed.covariances[:, :2, :2], axis1=1, axis2=2))
     refused = [fix for fix in replayed.fixes if not fix.believed]
     found: dict[str, Any] = {

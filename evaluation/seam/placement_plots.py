@@ -31,7 +31,9 @@ class DividedPath(NamedTuple):
 def draw_divisions(
     path: ToolPath, panels: Sequence[DividedPath], target: Path, arm: PitchArm | None = None
 ) -> None:
-    """Draw a tool's path from above with the poses of the base, and from ahead, as figure 4 of Shin (2005).
+    """Draw a tool's path from above with the poses of the base, and from the side.
+
+    The panels resemble figure 4 of Shin (2005). The side view has x to the right and z up.
 
     Args:
         path: path of the tool.

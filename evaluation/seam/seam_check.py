@@ -24,7 +24,7 @@ def seam_facts(task: Task) -> dict[str, Any]:
 
     Raises:
         FileError: a point of the seam cannot be tracked (the first one, with reason and nearest reachable
-            point), or the robot lacks a tool or arm for it.
+            point), or the robot lacks a suitable tool or arm.
     """
     divides, file = _divides(task), task.path("knowledge", "seam")
     if not divides or file is None:

@@ -90,7 +90,9 @@ class OccupancyFile(NamedTuple):
 
 
 def is_map(document: Document) -> bool:
-    """Return whether a file has the keys of a map in ROS format; one may be missing or misspelled."""
+    """Return whether a file has the keys of a map in ROS format; one of the keys may be missing or
+    misspelled.
+    """
     keys = document.data.keys() if isinstance(document.data, dict) else set()
     return "format" not in keys and len({"image", "resolution", "origin"} & keys) >= 2
 

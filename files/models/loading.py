@@ -44,7 +44,7 @@ class Loaded(Generic[FileModelT]):
         Args:
             path: key path of the value.
             message: "what is wrong; what is allowed".
-            at_key: True for the place of the value's key instead.
+            at_key: True to report the place of the key instead of that of its value.
         """
         return FileError([self.finding(path, message, at_key=at_key)])
 

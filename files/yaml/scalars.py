@@ -34,7 +34,10 @@ _AMBIGUOUS = (
 
 
 class UnclearScalar(ValueError):
-    """Error: an unquoted word has no clear meaning; the message says what is wrong and what is allowed."""
+    """Error: an unquoted word or number in a YAML file has no clear meaning, such as `NaN`.
+
+    The message says what is wrong and what is allowed.
+    """
 
 
 def resolve_plain(text: str) -> Scalar:

@@ -76,7 +76,8 @@ def entry_chances(task: Task) -> list[Chance]:
 def network_chances(task: Task) -> list[Chance | None]:
     """Return the outcome probabilities of each action of the network.
 
-    They are None for a skip, which does nothing but leave an element of a `repeat` undone.
+    An entry is None for a skip: a skip leaves one element of a `repeat` (a part of the task that is done for
+    each element of a list) undone, and has no outcomes.
     """
     known = entry_chances(task)
     return [None if entry is None else known[entry] for entry in task.entries]

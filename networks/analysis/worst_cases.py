@@ -38,7 +38,7 @@ class NoWayLeft:
     """
 
     def words(self, named: Callable[[str], str] = str) -> str:
-        """Return the path as text, such as `PICK_UP from book_known fails 3 times`.
+        """Return the actions of the run (`path`) as text, such as `PICK_UP from book_known fails 3 times`.
 
         An action that is repeated is listed once, at its first occurrence.
 

@@ -39,7 +39,7 @@ class ChainLinks(NamedTuple):
         return ChainLinks(self.row[keep], self.to[keep], self.p[keep])
 
     def joined(self, *others: ChainLinks) -> ChainLinks:
-        """Return these transitions, followed by others."""
+        """Return one table with these transitions between states, followed by those of `others`."""
         return ChainLinks(*(np.concatenate(columns) for columns in zip(self, *others, strict=True)))
 
 

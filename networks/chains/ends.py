@@ -40,7 +40,8 @@ class Ends(NamedTuple):
         return short.plus(rest.after(self.goal)).plus(rest.with_a_skip().after(self.skipped))
 
     def with_a_skip(self) -> Ends:
-        """Return the ends if the runs have skipped an element before this part.
+        """Return the ends if an element of a `repeat` (a part of the task done for each element of a list)
+        was left undone before.
 
         The probability and cost of `goal` are then part of `skipped`.
         """

@@ -35,7 +35,7 @@ class FlowStates(NamedTuple):
         return np.asarray(self.mass[:, ::3].sum(axis=1))
 
     def at(self, chosen: IntArray) -> FlowStates:
-        """Return some of the states, given by their row numbers (m,)."""
+        """Return only the states in the rows with the given numbers (m,)."""
         return FlowStates(self.counts[chosen], self.place[chosen], self.mass[chosen])
 
 
@@ -72,12 +72,13 @@ class StateCodes:
         return np.array(words, np.int64).T
 
     def one(self, state: State, mass: FloatArray) -> FlowStates:
-        """Return one state as a row of `FlowStates`.
+        """Return a table of states (`FlowStates`) with one state as its only row.
 
         Args:
             state: the state.
-            mass: (3 or 6,) a row of `FlowStates.mass`: probability that a run comes to the state, and cost
-                in [s] and squared cost in [s²] of these runs; three more are for runs with a skipped element.
+            mass: (3 or 6,) a row of `FlowStates.mass`: probability that a run comes to the state, and cost in
+                [s] and squared cost in [s²] of these runs; three more are the same for runs that have left an
+                element of a `repeat` undone.
         """
         counts = np.zeros((1, len(self._counters)), np.uint16)
         for counter, fails in state.fails:

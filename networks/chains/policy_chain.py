@@ -61,10 +61,11 @@ def policy_chain(policy: Policy, chances: Chances) -> Chain:
 
 
 def values_of_states(policy: Policy, chances: Chances) -> dict[State, tuple[float, float]]:
-    """Return the expected result of a run from each state of a policy.
+    """Return the expected result of a run from each state in which the policy decides.
 
     Returns:
-        By state: probability of the goal with nothing left undone, and expected cost in [s].
+        For each state: probability that the run reaches the goal and leaves nothing undone, and expected cost
+            in [s].
     """
     values = _Solution(ChainRows(policy, chances), policy).values()
     return dict(zip(policy.steps, values, strict=True))

@@ -67,7 +67,8 @@ class Stage:
         return self._with(actions, self.numbers)
 
     def with_alternatives(self, numbers: Collection[int]) -> Stage:
-        """Return the stage with some actions doubled: a second, equal action leads between their situations.
+        """Return the stage (part of a network) with some actions doubled: a second, equal action is added
+        between the same situations.
 
         Args:
             numbers: numbers of the actions to be doubled, in the complete network.

@@ -56,9 +56,10 @@ class Step(NamedTuple):
 
     @property
     def all_failed(self) -> tuple[State | None, ...]:
-        """States after a Fail of the action.
+        """States after a Fail of the action, by its cause.
 
-        The first is for causes without an entry in `Action.fail_endings`; one for each entry follows.
+        The first is the state after causes that `Action.fail_endings` does not list; the others are those of
+        the listed causes, in the list's order.
         """
         return (self.failed, *self.failed_by)
 

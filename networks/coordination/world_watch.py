@@ -34,12 +34,7 @@ class WorldWatch:
         self._stood = next(reversed(self._seen.values()), None)
 
     def begins(self, situation: str, at: Snapshot | None) -> None:
-        """Take the snapshot before an action as the last known state if there is none yet.
-
-        Args:
-            situation: situation in which the action begins.
-            at: snapshot just before it; None if it could not be read.
-        """
+        """Take the snapshot before an action as the robot's last known state, if no state is known yet."""
         if self._stood is None:
             self.stands(at)
             self.arrived(situation)

@@ -116,7 +116,9 @@ class StateRows:
         return array("H", row).tobytes()
 
     def row(self, state: State) -> Uint16Array:
-        """Return the row (1, 1 + counters) of a state, with its situation's index and numbers of Fails."""
+        """Return the row (1, 1 + counters) of a state: the index of its situation, and the number of Fails of
+        each counter (actions that share their attempts).
+        """
         return np.frombuffer(self.key(state), np.uint16)[None, :]
 
     def state(self, row: Uint16Array) -> State:

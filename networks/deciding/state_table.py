@@ -178,7 +178,8 @@ class StateTable:
         return np.asarray(chosen[numbers])
 
     def choices(self, values: FloatArray) -> Choices:
-        """Return the best option (action) of each state, and its cost, for assumed costs of later states.
+        """Return the best option (action) of each state, and its cost, for assumed costs of the states that
+        follow.
 
         Args:
             values: (states,) assumed least expected cost from each state on, in [s].
@@ -266,12 +267,12 @@ class StateTable:
         return int(self._action.all[option])
 
     def prices(self, states: IntArray, options: IntArray) -> FloatArray:
-        """Return the expected costs (n,) of being in states until their options leave them, in [s].
+        """Return the expected costs (n,), in [s], from entering each state until the chosen option leaves it.
 
         Args:
             states: (n,) numbers of the states.
             options: (n,) number of the option chosen in each state; with `STOP_CHOICE` the run ends in the
-                state, for the state's price in `stop`.
+                state, and the cost is the state's entry in `stop`.
         """
         cost = self.stop[states].copy()
         acts = options != STOP_CHOICE

@@ -62,13 +62,13 @@ class _Lane(NamedTuple):
 
 
 def lay_out(boxes: Mapping[Key, Size], edges: Sequence[LayerEdge], first: Key) -> Layers:
-    """Return positions of all boxes and edges.
+    """Return positions of all boxes and edges of a drawn network.
 
     Args:
         boxes: sizes of the boxes, by their keys.
         edges: edges between the boxes.
-        first: key of the first box, such as a network's start; an edge that leads back to it is drawn
-            backwards.
+        first: key of the first box, such as a network's start; an edge that leads back to it is drawn against
+            the direction of the other edges.
     """
     rank = _ranks(boxes, edges, first)
     columns: list[list[Key]] = [[] for _ in range(max(rank.values()) + 1)]

@@ -23,7 +23,7 @@ class BoxStyle(NamedTuple):
 
 
 class LinkStyle(NamedTuple):
-    """Colours and lines of a drawn action's link."""
+    """Colour and width of the line that is drawn from a situation to an action or back."""
 
     colour: str
     width: float

@@ -78,7 +78,9 @@ class ActionEntry(TaskEntry):
 
     @property
     def fail_situations(self) -> list[str]:
-        """All situations that a Fail may lead to, that of causes without an entry last."""
+        """All situations that a Fail may lead to; the last one is that of Fails whose cause has no entry in
+        the file.
+        """
         return [to for to in (*(e.to for e in self.fail_entries.values()), self.on_fail) if to]
 
     @property
@@ -91,7 +93,9 @@ class ActionEntry(TaskEntry):
 
     @property
     def p_success(self) -> float | None:
-        """Probability of Success, with any target situation; None if it is not given."""
+        """Probability that the action ends in Success, in whichever situation; None if the file does not give
+        it.
+        """
         every = [ending.p for ending in self.endings]
         return None if None in every else sum(p or 0.0 for p in every)
 

@@ -96,7 +96,9 @@ class InterruptEntry(FileModel):
     """One of a higher priority comes before one of a lower one, and interrupts it."""
 
     def interrupt(self, goals: Sequence[str]) -> Interrupt:
-        """Return the interrupt, given the situations of the network that end it."""
+        """Return the interrupt that this entry describes; `goals` are the situations of the network that end
+        it.
+        """
         when = self.when
         below, until = when.battery_below_percent, when.until_percent
         at = tuple(when.at or ())

@@ -26,7 +26,7 @@ class ConditionEnding(EndingChance):
 
     @property
     def changes(self) -> Mapping[str, Fact]:
-        """New values of the facts that this Success changes, by the facts' names."""
+        """New values of the facts that change when the action succeeds in this way, by the facts' names."""
         return self.__pydantic_extra__
 
 
@@ -90,7 +90,9 @@ class ConditionEntry(TaskEntry):
 
     @property
     def p_success(self) -> float | None:
-        """Probability of Success, with any of its effects; None if the file does not state it."""
+        """Probability that the condition ends in Success, whichever effects that has; None if the file does
+        not state it.
+        """
         every = [ending.p for ending in self.endings]
         return None if None in every else sum(p or 0.0 for p in every)
 

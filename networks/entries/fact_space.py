@@ -145,12 +145,12 @@ class FactSpace:
                 yield ("known", name), f"{name!r} is one of `facts`; allowed: another name"
 
     def given_faults(self, path: KeyPath, given: Mapping[str, object], only_known: bool = False) -> Faults:
-        """Yield the unknown names and values among conditions, or among changes, of facts.
+        """Yield a fault for each unknown name or value of a fact in the conditions or changes of an action.
 
         Args:
-            path: key path in the file of the conditions or changes.
+            path: path of keys in the file that leads to the conditions or changes.
             given: values, or lists of values, by the fact's name.
-            only_known: True if physical facts are rejected.
+            only_known: True if physical facts are faults as well, as in changes by a Fail.
         """
         allowed = self.known if only_known else self.values
         for name, value in given.items():

@@ -66,6 +66,8 @@ class Judged(NamedTuple):
 
     @classmethod
     def read(cls, fields: Mapping[str, Any]) -> Judged:
-        """Return the choice of the cheapest route or the file's policy from fields returned by `fields`."""
+        """Restore the choice between the cheapest route and the policy of the task's file from a journal's
+        record.
+        """
         beliefs = tuple((int(entry), float(a), float(b)) for entry, a, b in fields["beliefs"])
         return cls(str(fields["follows"]), float(fields["better"]), float(fields["saved_s"]), beliefs)

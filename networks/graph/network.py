@@ -90,7 +90,7 @@ class Binding:
             raise NotBound(f"{'.'.join(map(str, wrong['loc']))}: {wrong['msg']}") from None
 
     def said(self) -> dict[str, Any]:
-        """Return the parameters as a task file contains them."""
+        """Return the parameters of an action's primitive in the form in which a task file contains them."""
         late = {name: {"model": key} for name, key in self.late.items()}
         if not self.fixed:
             return late

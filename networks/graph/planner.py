@@ -75,7 +75,9 @@ class Planner:
         return self._searches[there]
 
     def begin_again(self) -> None:
-        """Forget all Fails: another round begins."""
+        """Forget all Fails, because the next round (repetition of the task) begins with all attempts
+        available.
+        """
         self.counts.clear()
         self._reasons.clear()
 
@@ -98,7 +100,9 @@ class Planner:
         Planner.failed(self, action, "it succeeded, and its Fail was needed")
 
     def succeeded(self, action: Action) -> bool:
-        """Set back the counts of Fails that a Success of `action` renews; return whether a count changed."""
+        """Reset the counts of Fails of the actions whose attempts a Success of `action` renews; return
+        whether a count changed.
+        """
         changed = False
         for counter in self.network.renewed_by.get(action.index, ()):
             if counter in self.counts:

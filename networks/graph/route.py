@@ -29,7 +29,8 @@ class Elsewhere(NotStarted):
 class RunDecisions:
     """Decisions of a run that depend only on the outcomes of its actions, which may be real or scripted.
 
-    The run follows a planned route, and plans again after each Fail from the situation that it leads to.
+    The run follows a planned route, and plans again after each Fail, from the situation that the Fail leads
+    to.
     """
 
     def __init__(self, network: ActionNetwork, planner: Planner | None = None) -> None:
@@ -89,7 +90,7 @@ class RunDecisions:
 
     @property
     def arrived(self) -> bool:
-        """True if the pursued situation is reached."""
+        """True if the situation that the run tries to reach, its goal, is reached."""
         return bool(self._goals) and self.situation == self.goal
 
     @property

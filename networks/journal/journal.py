@@ -145,7 +145,7 @@ class Journal:
         """Write one record.
 
         On return the operating system has it, so that it survives a crash of the program. It survives a power
-        cut once `durable` is True.
+        cut once it is on the disk (`durable`).
 
         Args:
             kind: kind of the record, such as RUN, PLAN, START or RESULT.

@@ -30,11 +30,11 @@ class NotAlive(InputError):
 
 
 class ClosedToYou(InputError):
-    """Error: the folder, or the run in it, belongs to another user."""
+    """Error: a folder of runs, or the run in it, belongs to another user of the computer."""
 
 
 class NotAnswering(HandcartError):
-    """Error, because a run is alive in the folder but does not answer; its state is unknown."""
+    """Error: a run in a folder is alive but does not answer its operator; its state is unknown."""
 
 
 def ask(folder: Path, message: Mapping[str, Any], patience: float = ANSWER_TIMEOUT_S) -> dict[str, Any]:

@@ -53,7 +53,7 @@ class OwnPage:
         return None
 
     def knows(self, token: str) -> bool:
-        """Return whether a token is that of this server.
+        """Return whether a token is the access token of this server.
 
         The comparison takes the same time wherever the tokens differ (row U5 of faults.md).
         """

@@ -37,7 +37,9 @@ class NamedBinding(Binding):
 
 @dataclass(frozen=True)
 class JournaledNetwork:
-    """A network that was kept in a journal."""
+    """An action network as it was recorded in a run's journal, with the knowledge that its primitives may
+    read.
+    """
 
     network: ActionNetwork
     uses: tuple[tuple[str, ...], ...]

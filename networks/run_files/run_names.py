@@ -41,9 +41,9 @@ def name_of(task: Path, seed: int) -> str:
 
 
 def point_latest(folder: Path) -> None:
-    """Point the link `latest` next to a run's folder to it, atomically.
+    """Make the link `latest`, next to a run's folder, point to this folder, in one atomic step.
 
-    Systems without links get no link.
+    On systems without symbolic links nothing is made.
     """
     link = folder.with_name(LATEST_LINK)
     new = folder.with_name(f".{LATEST_LINK}.{os.getpid()}.new")

@@ -191,7 +191,7 @@ class ParameterValues:
 
 
 def reference(node: Node, kind: str) -> str | None:
-    """Return the NAME in `{kind: NAME}`; None if the node is something different."""
+    """Return the name in a task file's node of the form `{kind: NAME}`; None if it has another form."""
     content = node.content
     if not isinstance(content, dict) or list(content) != [kind]:
         return None

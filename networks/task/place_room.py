@@ -51,7 +51,9 @@ class PlaceRoom:
         return f"place {self.name}: {room}; {part}; {reached}{'' if self.used else '; no action uses it'}"
 
     def for_programs(self) -> dict[str, Any]:
-        """Return clearance, route and use of the place as fields for JSON; lengths in [m]."""
+        """Return the place's clearance, the route to it and whether the task uses it, as fields for JSON;
+        lengths are in [m].
+        """
         way = self.way
         return {
             "name": self.name,

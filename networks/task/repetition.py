@@ -146,7 +146,7 @@ def repetitions(
 
 
 class Nested(NamedTuple):
-    """A repeated part with the repeated parts inside it."""
+    """A part of a task that is repeated for each element of a list, with the repeated parts inside it."""
 
     part: Repetition
     within: tuple[Nested, ...]

@@ -28,8 +28,8 @@ def need_findings(
     Args:
         document: the task's file.
         network: its network.
-        entries: number in the file of each action of the network; None if the action only skips an element
-            of a repeat.
+        entries: number in the file of each action of the network; None if the action is generated and only
+            skips one element of a `repeat` (a part of the task that is done for each element of a list).
         kinds: classes of the robot's capabilities.
         model: world model before the start; None to check the robot's capabilities alone.
     """

@@ -102,11 +102,12 @@ def with_route_costs(
 
     Args:
         actions: the actions.
-        entries: number of the file's entry of each action; None if it only skips an element of a repeat.
+        entries: number of the file's entry of each action; None if the action is generated and only skips one
+            element of a `repeat` (a part of the task that is done for each element of a list).
         rows: the file's entries.
         facts: facts of each situation.
         times: driving times.
-        add: called with the key and the words of each fault.
+        add: called for each fault in the file, with its key in the file and a message.
     """
     found, reported = list[Action](), set[int]()
     for action, number in zip(actions, entries, strict=True):

@@ -137,7 +137,7 @@ class TaskHead(AimsHead):
 
 
 class TaskFile(TaskHead):
-    """Task file with a network that is written out, as situations and the actions that connect them."""
+    """Task file that lists its network explicitly, as situations and the actions that connect them."""
 
     start: str
     """The situation at the start."""

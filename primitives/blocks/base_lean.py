@@ -35,7 +35,7 @@ def felt_beside(robot: Robot) -> Generator[None, None, FloatArray]:
 
 
 def unmodelled_leans(robot: Robot, then: FloatArray, now: FloatArray) -> tuple[Transform, Transform]:
-    """Return the parts of the base's tilts at two times that the suspension's model does not predict.
+    """Return the part of the base's tilt, at each of two times, that the suspension's model does not predict.
 
     The model is linear in the hand's position, but the effect of a real arm's weight is not. Mounting error
     of the sensors and slope of the floor are equal at both times, so that only the difference counts. Each
@@ -45,8 +45,9 @@ def unmodelled_leans(robot: Robot, then: FloatArray, now: FloatArray) -> tuple[T
 
     Args:
         robot: robot whose suspension model is used.
-        then: (2,) roll and pitch in [rad], an earlier result of `felt_beside`.
-        now: (2,) roll and pitch in [rad], the current result of `felt_beside`.
+        then: (2,) roll and pitch in [rad] by the IMU, less the model's, at the earlier time (result of
+            `felt_beside`).
+        now: (2,) the same difference at the present time.
     """
     half, pivot = (now - then) / 2.0, robot.spec.suspension.model.pivot
     half = half * np.maximum(0.0, 1.0 - _variance(robot) / 2.0 / np.maximum(half**2, 1e-18))

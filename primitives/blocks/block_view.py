@@ -62,12 +62,9 @@ def see_block(
 
 
 def why_unseen(robot: Robot, plan: Building, base_T_block: Transform) -> str:
-    """Return a message why `see_block` has just found no block; it takes a further picture for that.
+    """Return a message why `see_block` has just found no block.
 
-    Args:
-        robot: robot whose camera is still over the place where the block was expected.
-        plan: building plan with the size of the blocks.
-        base_T_block: (4, 4) expected pose of the block.
+    A further picture is taken and searched for the bright face nearest to the expected pose.
     """
     length, width, height = plan.block
     photo = robot.photo()

@@ -53,7 +53,8 @@ class PickUpBlock(ActionPrimitive):
     At the supply, the block is located relative to a landmark.
 
     The closing fingers centre the block between them and remove its offset in that direction. The offset
-    along the fingers remains (Hatano et al. 2000, sections 5.4 and 5.5), unless `look` measures it first.
+    along the fingers remains (Hatano et al. 2000, sections 5.4 and 5.5), unless the camera measures it before
+    the grip (parameter `look`).
     """
 
     number: BlockNumber

@@ -74,7 +74,9 @@ class Approach(ActionPrimitive):
         return book_in(model)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return why the book cannot be brought (another one is held, or its slot is unknown), or ""."""
+        """Return why the book cannot be brought to its slot (another book is held, or the slot is unknown);
+        "" if it can.
+        """
         slot = model.of(Books).slot
         known = slot is not None and slot.shelf == self.shelf
         return unlike_book(robot, model) or ("" if known else f"no slot is known on {self.shelf}")

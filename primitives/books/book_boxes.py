@@ -42,7 +42,7 @@ def tray_box(robot: Robot) -> Box:
 
 
 def held_box(robot: Robot, book: Book) -> Box:
-    """Return a book as PICK_UP grips it, posed in the hand frame."""
+    """Return the box of a held book in the hand frame, if the primitive PICK_UP has gripped it."""
     depth, thickness, height = (1e-3 * size for size in (book.depth_mm, book.thickness_mm, book.height_mm))
     middle = transform((hand_to_spine(robot) + depth / 2, 0.0, height / 2 - GRIP_HEIGHT))
     return Box(middle, (depth, thickness, height), HELD_NAME)

@@ -25,7 +25,7 @@ def hand_to_spine(robot: Robot) -> float:
 
 
 def holds(robot: Robot, book: Book) -> bool:
-    """Return whether the fingers hold an object as thick as that book."""
+    """Return whether the fingers hold an object as thick as the given book."""
     return grip.holds(robot, book.thickness_mm / 1e3, THICKNESS_ERROR)
 
 

@@ -101,7 +101,9 @@ class Insert(HeldBookPrimitive):
     _strongest: float = PrivateAttr(default=0.0)
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
-        """Return the behaviour tree of preparing steps and pushes; the first successful push ends it."""
+        """Return the behaviour tree that inserts the book: preparing steps, then pushes until
+        one succeeds.
+        """
         begin = {
             "measure how far it goes": lambda: self._measure(robot, model),
             "note what is about to be done": lambda: self.intend("the book is pushed between its neighbours"),

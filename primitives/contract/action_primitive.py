@@ -104,9 +104,9 @@ class ActionPrimitive(FileModel, ABC):
         return USE_UNDECLARED if Gripper in cls.needs and not cls.only_knowledge else USES_NO_FINGERS
 
     def hand_use(self) -> HandUse:
-        """Return the content of the hand that is required at the start, and that after Success.
+        """Return the content of the hand that is required at the start, and the content after Success.
 
-        A subclass whose parameters decide this overrides it.
+        A subclass overrides this method if its parameters decide the content.
         """
         return self.usual_hand_use()
 

@@ -40,7 +40,9 @@ class MeasuredHinge(NamedTuple):
 
 
 class DoorState(NamedTuple):
-    """State in which the robot left a door or drawer, with the measured hinge or slide."""
+    """State in which the robot left a door or drawer: its opening, the pose of its closed handle, and the
+    measured hinge or direction of sliding.
+    """
 
     door: str
     motion: str

@@ -117,8 +117,8 @@ class MoveDoor(ActionPrimitive):
     def believed_joint(self, robot: Robot, model: ModelView) -> DoorJoint:
         """Return the door's hinge or slide in the base frame.
 
-        The measured hinge or slide is returned if the robot has moved the door before, otherwise that of the
-        file.
+        The measured hinge or slide is returned if the robot has moved the door before, otherwise that in the
+        file of doors.
         """
         door, state = self.known(model), model.of(Doors).state_of(self.door)
         if state is not None and state.motion != "undetermined":

@@ -104,7 +104,8 @@ def check_front(front: FrontLine, name: str, need: PoseNeed) -> None:
 
 
 def check_determined(robot: Robot, name: str, place: Place, need: PoseNeed) -> None:
-    """Raise `Discrepancy` if the sensors don't determine the pose of a base at a place well enough.
+    """Raise `Discrepancy` if the sensors don't determine the pose of the robot's base at a place accurately
+    enough.
 
     Args:
         robot: robot at the place.

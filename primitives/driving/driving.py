@@ -170,8 +170,8 @@ class FieldObstacleMonitor:
     def unexpected(self, robot: Robot) -> FloatArray:
         """Return the points (n, 2) of this period's scan that may be obstacles, in the field's frame, in [m].
 
-        Points of the robot's own lowered hand, and points that may be the ground, are left out. If the latter
-        are obstacles, the base's collision guard stops the base once they are near.
+        Points of the robot's own lowered hand, and points that may be the ground, are left out. If a point
+        that may be the ground is an obstacle, the base's collision guard stops the base near it.
         """
         points = robot.without_hand(robot.range_sensor.scan().points())
         if robot.spec.localizer in OUTDOOR_LOCALIZERS:
@@ -188,10 +188,10 @@ class FieldObstacleMonitor:
         return np.asarray(sensed[np.hypot(*(sensed - blocking).T) < OBSTACLE_MEMORY_RADIUS_M])
 
     def around(self, robot: Robot, blocking: FloatArray) -> FloatArray:
-        """Return an obstacle's points (n, 2) near the point (2,) of it that the base would touch.
+        """Return the points (n, 2) of an obstacle near the point `blocking` (2,) that the base would touch.
 
-        These are that point and the unexpected points near it in this period's scan; all are in the field's
-        frame, in [m].
+        The result is `blocking` itself and the points near it in this period's scan that may be obstacles;
+        all are in the field's frame, in [m].
         """
         return np.vstack([blocking, self.kept(self.unexpected(robot), blocking)])
 

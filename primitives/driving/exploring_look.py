@@ -36,7 +36,9 @@ LEFT_WORDS = {
 
 
 class FrontierGoal(NamedTuple):
-    """Frontier to which the base drives, with the position from which it is looked at."""
+    """Frontier (end of the known free ground) to which the base drives, with the position from which the
+    sensors look at it.
+    """
 
     view: tuple[float, float]
     """x and y on the growing map, in [m], from which the frontier is looked at."""

@@ -126,7 +126,7 @@ class LocalReplanning:
         """Plan a route from the base's pose to the drive's goal; the base holds until it is found.
 
         Raises:
-            Discrepancy: no route leads to the place.
+            Discrepancy: no route leads to the goal.
         """
         self.sense(robot)
         if self._near.is_whole:
@@ -281,7 +281,8 @@ class LocalReplanning:
         """Drive straight away from the obstacle before which the base was stopped, and plan a new route.
 
         A base with a circular footprint reverses its last direction. A base with a polygonal footprint drives
-        away from its end (front or rear) near the obstacle, or the opposite way if that failed the last time.
+        forwards if the obstacle is near its rear, backwards if it is near its front, and the other way round
+        if the last attempt failed.
         """
         self._backed_off += 1
         held = robot.held
@@ -340,7 +341,7 @@ class LocalReplanning:
         goal.
 
         Args:
-            ahead: (n, 2) points of the route from here on, on the map, in [m].
+            ahead: (n, 2) points of the rest of the route, on the map, in [m].
         """
         x, y = self._nearest_to_route(ahead)
         if self.people.waits_since is not None or self.people.is_person(x, y):

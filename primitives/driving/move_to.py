@@ -303,7 +303,9 @@ class MoveTo(ActionPrimitive):
         return held_before(self.place, held)
 
     def watch(self, robot: Robot, model: ModelView) -> None:
-        """Hold before an unexpected obstacle in the way; raise `Discrepancy` if it stays for `wait_s`."""
+        """Stop the base before an unexpected obstacle on its route; raise `Discrepancy` if the obstacle stays
+        for `wait_s` seconds.
+        """
         lost = robot.localization.lost
         if lost is not None:
             raise NeedsPerson(

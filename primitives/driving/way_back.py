@@ -41,13 +41,13 @@ def drive_back(
     """Drive back to the start pose `goal`, map_T_base, by a route that is free now.
 
     Args:
-        local: what the drive has sensed.
+        local: planner of routes around obstacles, with the obstacles sensed in this drive.
         robot: the robot.
         goal: pose of the base where the drive began, map_T_base.
         wait_s: time in [s] to wait for a route; people get more time to leave.
 
     Raises:
-        Discrepancy: no route leads there, and none has for the time above.
+        Discrepancy: no route has led to the goal for `wait_s`, or longer if people are in the way.
     """
     local.turn_to(goal, robot)
     look = yield from _first_route(local, robot, wait_s)

@@ -204,7 +204,9 @@ class Deploy(TreePrimitive):
         return True
 
     def base_room(self, robot: Robot, model: ModelView) -> float:
-        """Return how far the base may be from its place so that the arm still reaches the target, in [m]."""
+        """Return how far the base may be off its planned position so that the arm still reaches the target,
+        in [m].
+        """
         work = model.of(FieldWork)
         if self.target not in work.targets:
             return math.inf

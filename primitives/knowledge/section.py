@@ -72,7 +72,7 @@ class Companion(Protocol):
     """Interface of a motion that the arm makes while the base drives to a place."""
 
     def motion(self, remaining: Callable[[], float]) -> Iterator[None]:
-        """Move the arm, as a generator that yields once in each control period of the drive.
+        """Move the arm, as a generator that yields once in each control period while the base drives.
 
         Args:
             remaining: function that returns the base's remaining distance, in [m].
@@ -195,7 +195,9 @@ class Section:
         return iter(())
 
     def companion(self, robot: Robot, place: str) -> Companion | None:
-        """Return the arm's motion while the base drives to a place of this section, or None for no motion."""
+        """Return the motion that the arm makes while the base drives to a place that this section of the
+        world model knows; None for no motion.
+        """
         return None
 
     def contacts_on_the_way(self, place: str) -> Sequence[MeantContact]:

@@ -205,7 +205,9 @@ class WorldModel:
         return next((steps for steps in found if steps is not None), None)
 
     def clear_element(self) -> None:
-        """Clear what was learned about one element when a `repeat` goes on to the next."""
+        """Clear what was learned about one element of a list, because the task's `repeat` goes on to the next
+        element.
+        """
         self.detour = None
         for section in self.sections.values():
             section.forget_element()
@@ -372,7 +374,8 @@ class ModelView:
     def measuring(
         self, robot: Robot, place: str, report: Callable[..., None]
     ) -> Generator[None, None, bool] | None:
-        """Return a generator that measures the thing to which a place belongs; None if it can't be measured.
+        """Return a generator that measures the thing, such as furniture, in front of which a place is; None
+        if it can't be measured.
 
         Args:
             robot: the robot.

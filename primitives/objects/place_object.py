@@ -159,7 +159,9 @@ class PlaceObject(ActionPrimitive):
         return hand, *(MeantContact("held", name) for name in touched)
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """Play the motion backwards; a released object is gripped again on the way."""
+        """Retrace the motion to the start in reverse; an object that was released is gripped again on the
+        way.
+        """
         yield from retrace(robot, start, trace)
         objects = model.of(Objects)
         if self._before is not None:

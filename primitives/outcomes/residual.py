@@ -101,7 +101,9 @@ class Residuals(Mapping[str, float]):
         return tuple(self._by_label.values())
 
     def of(self, kind: ResidualKind) -> Residual | None:
-        """Return the residual of a kind that belongs to the robot itself; None if it was not measured."""
+        """Return the remaining difference of one kind between two states of the robot itself, such as of its
+        arm; None if it was not measured.
+        """
         return next((residual for residual in self.all if residual.kind is kind), None)
 
     @property
@@ -116,7 +118,9 @@ class Residuals(Mapping[str, float]):
 
     @property
     def limits(self) -> dict[str, float | None]:
-        """Limits by label; None where no limit is known."""
+        """Return the limit of each residual (remaining error of a check) by the residual's label; None where
+        no limit is known.
+        """
         return {label: residual.limit for label, residual in self._by_label.items()}
 
     @property

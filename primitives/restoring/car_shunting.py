@@ -39,7 +39,7 @@ def known_discs(robot: Robot, model: ModelView | WorldModel) -> FloatArray:
 
 
 def plan_car_drive(robot: Robot, start: Pose2, goal: Pose2, discs: FloatArray) -> CarPath | None:
-    """Return a path of this car from one pose to another; None if none is found.
+    """Return a path on which a car can drive from one pose to another; None if none is found.
 
     Args:
         robot: the car.

@@ -118,10 +118,10 @@ def _widened(robot: Robot, tolerance: PoseTolerance, passed: float) -> PoseToler
 
 
 def reach_again(robot: Robot, start: Snapshot, model: WorldModel, room: float) -> Generator[None, None, None]:
-    """Bring the base to the snapshot once more, from close by.
+    """Bring the base from close by to the pose of a snapshot again.
 
     A car waits until its displacement from the snapshot is known with an error below `room`, in [m]. If the
-    displacement is larger than `room`, the car is shunted.
+    displacement is larger than `room`, the car is moved back and forth until it is there.
     """
     if robot.spec.drive.kind != "ackermann":
         yield from reach_pose(robot, start.pose)

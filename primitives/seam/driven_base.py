@@ -84,7 +84,8 @@ class DrivenBase:
         return self._spots[max(0, index - 1) :]
 
     def joints(self, index: int) -> FloatArray:
-        """Drive for the next period; return the arm's joints (n,) for its end, in [rad] or [m].
+        """Command the base for the next period; return the arm's joints (n,) for the period's end, in [rad]
+        or [m].
 
         Args:
             index: number of the tool's point at the end of the period.

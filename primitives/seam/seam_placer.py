@@ -33,7 +33,7 @@ def work_of(spec: RobotFile, speed: float | None = None) -> Work:
 
 
 def placer_of(spec: RobotFile, speed: float | None = None) -> Placer:
-    """Return a placer of seams for the robot.
+    """Return a planner of base poses from which the robot's arm can move a tool along a seam.
 
     Args:
         spec: robot's file.

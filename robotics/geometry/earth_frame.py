@@ -24,13 +24,13 @@ class EarthFrame:
         self._to_field = Transformer.from_crs("EPSG:4326", local, always_xy=True)
 
     def to_field(self, latitude_deg: float, longitude_deg: float) -> tuple[float, float]:
-        """Return x and y in the field, in [m], of a latitude and a longitude in [deg]."""
+        """Return x and y in the field's frame, in [m], of a latitude and a longitude in [deg]."""
         x, y = self._to_field.transform(longitude_deg, latitude_deg)
         return float(x), float(y)
 
     def points_to_field(self, latitudes_deg: FloatArray, longitudes_deg: FloatArray) -> FloatArray:
-        """Return the places (n, 2), x and y of the field in [m], of latitudes and longitudes (n,) each, in
-        [deg].
+        """Return the places (n, 2) of latitudes and longitudes (n,) in [deg] as x and y in the field's frame,
+        in [m].
         """
         return np.stack(self._to_field.transform(longitudes_deg, latitudes_deg), axis=1)
 

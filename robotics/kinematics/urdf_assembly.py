@@ -29,7 +29,8 @@ def with_part(urdf_text: str, part: Part) -> str:
     """Return a URDF with a part fixed onto one of its links. Only links, joints and materials are copied.
 
     Raises:
-        ValueError: one of the two can't be read, the link is missing, or a name is in both.
+        ValueError: one of the two URDFs can't be read, the link that should carry the part is missing, or a
+            link or joint has the same name in both URDFs.
     """
     robot, added = read_urdf(urdf_text), read_urdf(part.urdf_text)
     links = _names(robot, "link")

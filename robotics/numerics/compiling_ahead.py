@@ -57,7 +57,7 @@ def compile_modules(modules: list[str]) -> None:
 
 
 def types_of(arguments: Arguments) -> tuple[Any, ...]:
-    """Return numba's types for argument types as they are given to `compiled_for`."""
+    """Return numba's types for the argument types that a caller passes to `compiled_for`."""
     from numba.core.sigutils import normalize_signature
 
     if isinstance(arguments, str):

@@ -63,8 +63,9 @@ class Handlers:
         ]
 
     async def events(self, request: web.Request) -> web.StreamResponse:
-        """Stream the states of all runs, and who may command them, as lines of JSON: one now, and one after
-        each change.
+        """Stream lines of JSON with the states of all runs and the holder of the right to command them.
+
+        The first line is sent at once, and another one after each change.
         """
         tab = _tab(request)
         answer = web.StreamResponse(headers={"Content-Type": "application/x-ndjson"})
@@ -82,7 +83,7 @@ class Handlers:
             self._lease.gone(tab)
 
     async def run(self, request: web.Request) -> web.Response:
-        """Send the details of a run."""
+        """Send the browser the details of the run that the request names, as JSON."""
         name = request.match_info["run"]
         folder = self._folder(request)
         state: Mapping[str, Any] = next(item for item in self._watcher.states() if item["name"] == name)

@@ -56,7 +56,7 @@ class Lease:
             self._since_gone = self._clock()
 
     def holder(self) -> dict[str, Any]:
-        """Return identifier (`tab`) and `name` of the tab that may command, for all clients; "" if none
+        """Return `tab` (identifier) and `name` (operator) of the browser tab that may command; "" if none
         may.
         """
         return {"tab": self._current(), "name": self._name}

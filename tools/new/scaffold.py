@@ -105,7 +105,8 @@ KINDS = {
 
 
 def names_of(name: str) -> dict[str, str]:
-    """Return the forms of a name that templates use, such as in capitals, by their placeholders.
+    """Return the forms of a name that templates contain (such as in capitals), by the placeholder of each
+    form.
 
     Args:
         name: lower case, words joined by `_`.

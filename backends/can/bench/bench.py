@@ -64,8 +64,8 @@ class Bench:
 
     @property
     def line(self) -> CanLine:
-        """End of the simulated bus on the drives' side; the program receives frames sent here as those of a
-        node.
+        """End of the simulated bus to which the drives are connected; a frame sent here reaches the program
+        like a frame of a node.
         """
         return self._drives.line
 
@@ -104,7 +104,8 @@ class Bench:
         """Plan a fault, in addition to those planned before.
 
         Args:
-            at_s: time of the bench at which the fault is caused, in [s]; a past time: in the next period.
+            at_s: time of the bench at which the fault is caused, in [s]; if it is past, the fault is caused
+                in the next period.
             act: function that causes the fault, called with the bench and the drive.
             node: node ID of the faulty drive; None: the drive of the first axis.
         """

@@ -33,7 +33,7 @@ class InjectedFault(NamedTuple):
 
 
 def injected_fault(name: str) -> InjectedFault:
-    """Return the fault with a name.
+    """Return the fault with the given name.
 
     Raises:
         UnknownFault: no fault has this name.
@@ -49,7 +49,8 @@ def inject(bench: Bench, name: str, at_s: float = 0.0, node: int | None = None) 
     Args:
         bench: the bench.
         name: one of `INJECTED_FAULTS`.
-        at_s: time of the bench at which the fault begins, in [s]; a past time: in the next period.
+        at_s: time of the bench at which the fault begins, in [s]; if it is past, the fault begins in the next
+            period.
         node: node ID of the faulty drive; None: the drive of the first axis.
 
     Raises:

@@ -58,7 +58,7 @@ class BusLoad:
         return cls(tuple(sorted(frames, key=lambda frame: frame.cob_id)), bitrate)
 
     def share_of(self, frame: CyclicFrame) -> float:
-        """Return the share of the bus that one of the frames takes, from 0 to 1."""
+        """Return the share of the bus's capacity that a cyclic frame takes, from 0 to 1."""
         return frame.bits / frame.period_s / self.bitrate
 
     @property

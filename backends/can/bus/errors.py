@@ -99,7 +99,7 @@ class ControllerFault(BusFault):
 
 
 class SilentDrive(CanFault, TimeoutError):
-    """Error: a drive does not answer. It stops by itself when it misses our heartbeat."""
+    """Error: a drive does not answer. It stops by itself when the heartbeat of the controller is missing."""
 
     def __init__(self, drive: str, objects: str, age: float | None) -> None:
         since = "at all" if age is None else f"for {age:.3g} s"
@@ -215,7 +215,7 @@ class BrokenOff(CanFault):
 
 
 class LateLoop(CanFault):
-    """Error: this program takes longer than a control period for its steps."""
+    """Error: the control program takes longer than a control period for the steps of one period."""
 
     def __init__(self, trouble: str) -> None:
         super().__init__(f"the control loop is too slow: {trouble}")

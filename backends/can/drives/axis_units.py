@@ -33,9 +33,9 @@ class AxisUnits:
         return round(value * self.scale)
 
     def size(self, value: float) -> int:
-        """Return the absolute value of a speed or acceleration in counts.
+        """Return the absolute value of a speed or acceleration, converted to encoder counts.
 
-        It is given in [m] or [rad] per s or s², and returned in counts per s or s².
+        The value is in [m] or [rad] per s or s²; the result is in counts per s or s².
         """
         return abs(self.rate(value))
 

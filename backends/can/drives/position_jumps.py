@@ -38,7 +38,8 @@ class PositionJumps:
         self._speeds: deque[float] = deque(maxlen=2 * _LOOKS_BACK)
 
     def note(self, reported: float, commanded: float) -> None:
-        """Record the speeds of a period, for the test of later position differences.
+        """Record the speeds of a period; they limit which position differences are plausible in the next
+        periods.
 
         Args:
             reported: speed that the drive reports, in [counts/s].

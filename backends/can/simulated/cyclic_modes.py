@@ -65,7 +65,9 @@ class CyclicVelocity(DriveMode):
 
     @property
     def status(self) -> int:
-        """Mode's bits of the statusword (6041h): bit 12, which says that the drive follows its set-points."""
+        """Bits of the statusword (6041h) that depend on the mode: bit 12, which says that the drive follows
+        its set-points.
+        """
         return SETPOINT_TAKEN
 
     @property

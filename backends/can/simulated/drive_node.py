@@ -284,7 +284,9 @@ class DriveNode(canopen.LocalNode):
             self.nmt.state = becomes
 
     def latch(self) -> None:
-        """Apply the set-points of synchronous PDOs that were received before this SYNC."""
+        """Apply the set-points of synchronous PDOs that were received before the SYNC that has
+        just arrived.
+        """
         waiting, self._waiting = self._waiting, []
         self._take_all(waiting)
         mode = self._modes.get(self._mode)

@@ -67,7 +67,7 @@ class PhysicsGripper(SimulatedGripper):
         return self._command > self._target + PRESSING_LEAD_M
 
     def begin(self, period: int) -> None:
-        """Start the control period with the number `period`."""
+        """Start the control period with the number `period`, to which later readings and commands belong."""
         self._now = period
 
     def act(self, share: float) -> None:

@@ -111,7 +111,7 @@ class RobotBody(ABC):
 
     @abstractmethod
     def links_behind(self, joint: str) -> set[int]:
-        """Return the engine's numbers of all links that move when a joint moves."""
+        """Return the physics engine's numbers of all links that a joint of the robot moves."""
 
     def planar_drive(self) -> PlanarDrive:
         """Return the drive that pushes a holonomic base in the floor's plane; called only for such a base."""

@@ -194,8 +194,8 @@ class Engine(ABC):
         """Replace the current rigid connection by `wanted`; None: release it without a new one."""
 
     def pin_force(self) -> FloatArray:
-        """Return the force (3,) that the rigid connection (`pinned`) exerts on its first body, in the world
-        frame, in [N].
+        """Return the force (3,) that the present rigid connection of two bodies (`pinned`) exerts on the
+        first of them, in the world frame, in [N].
         """
         return np.zeros(3)
 

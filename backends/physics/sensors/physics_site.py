@@ -11,7 +11,9 @@ from handcart.backends.simulation.sensors.simulated_sensor import SensorSite
 
 
 class PhysicsSite(NamedTuple):
-    """Engine, robot and world of a backend with physics, from which its sensors are built."""
+    """Engine, robot and world of a backend with physics, which are passed to each simulated sensor when it is
+    built.
+    """
 
     engine: Engine
     body: RobotBody

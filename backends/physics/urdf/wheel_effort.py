@@ -24,13 +24,14 @@ def slipping_torque(mass: float, radius: float, wheels: int) -> float:
 
 
 def with_wheel_efforts(urdf: str, wheels: Collection[str], radius: float) -> str:
-    """Give driven wheels without an effort limit the torque at which their tyres slip as the limit.
+    """Return a URDF in which driven wheels without an effort limit get one: the torque at which their tyres
+    slip.
 
     The friction and damping of these wheels' joints are removed, so that the full torque acts at the tyre.
 
     Args:
         urdf: URDF of the robot.
-        wheels: names of the joints that drive it.
+        wheels: names of the joints of the driven wheels.
         radius: radius of the wheels, in [m].
     """
     limp = {item.name for item in joints_of(urdf) if item.name in wheels and item.effort <= 0.0}

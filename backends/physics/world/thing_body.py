@@ -23,7 +23,8 @@ _INSET = 0.002  # of a side's part: not shown at its left and right, where anoth
 class ThingBody:
     """Body of a movable thing in a physics engine, a rigid box whose sides are grey or printed.
 
-    Subclasses, which a domain names in `Domain.physics`, change shape or appearance.
+    Subclasses change its shape or appearance. A domain (package for one kind of task) names the subclasses of
+    its things in `Domain.physics`.
     """
 
     STICKS: ClassVar[Sticks | None] = None

@@ -35,8 +35,8 @@ class HeldBase:
 
     @property
     def is_settled(self) -> bool:
-        """True if scans and wheels agree on the base's motion, or if, after they last contradicted each
-        other, the pose was found again.
+        """True if scans and wheels agree on the base's motion, or if the pose was found again after they
+        contradicted each other.
         """
         return self._searched == 0 and not self._check.is_doubtful
 

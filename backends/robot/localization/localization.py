@@ -146,7 +146,7 @@ class Localization(ABC):
 
     @property
     def sigma(self) -> tuple[float, float]:
-        """Sigmas of `repeatability`: position in its worst direction [m], heading [rad]; inf if lost."""
+        """Standard deviations of position (worst axis) in [m] and heading in [rad]; infinite if lost."""
         return (math.inf, math.inf) if self.lost is not None else worst_sigmas(self.repeatability)
 
     @property

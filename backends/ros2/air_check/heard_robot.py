@@ -92,7 +92,9 @@ class HeardRobot:
 
     @property
     def may_drive(self) -> bool:
-        """True if the messages come from a recording, in which the robot may drive."""
+        """True if the messages come from a recording; the robot may drive in it, and must be at rest
+        otherwise.
+        """
         return self._over is not None
 
     def _ended(self) -> bool:

@@ -49,7 +49,7 @@ class TopicMeter:
         self.begin()
 
     def begin(self) -> None:
-        """Start measuring the topic's messages now, without the earlier ones."""
+        """Start to measure the topic's messages; those that arrived earlier no longer count."""
         self._begun = self._clock()
         self._arrivals: list[float] = []
         self._ages: list[float] = []

@@ -25,8 +25,8 @@ FRAMES, STATIC_TOPIC, TOPIC = "tf2_msgs/TFMessage", "tf_static", "tf"
 class BenchFrames:
     """Publisher of a simulated robot's frames on `tf_static` and `tf`.
 
-    The frames of fixed sensors are published once. The frames of the base and of cameras are published in
-    each period in which a node subscribes to `tf`.
+    The frames of fixed sensors are published once. The frames of the base and of cameras are published every
+    period while a node subscribes to `tf`.
     """
 
     def __init__(self, robot: RobotFile, spec: RosSpec, inner: Backend, link: Link) -> None:

@@ -103,7 +103,8 @@ def imu_message(link: Link, now: float, robot: Backend, factor: float = 1.0) -> 
         link: connection to the topics, which creates the message.
         now: time of ROS for the message's stamp, in [s].
         robot: simulated robot with the IMU.
-        factor: factor by which the accelerations are multiplied (see `RobotDifferences`).
+        factor: factor by which the accelerations are multiplied, to simulate an IMU with a wrong unit or
+            sign.
     """
     unit = robot.get(Imu)  # type: ignore[type-abstract]
     assert unit is not None, "its file says so"

@@ -40,7 +40,7 @@ class SimulatedHand:
         """Rules by the domain's name."""
 
     def forget_derived(self) -> None:
-        """Discard cached values, because the scene was changed from outside."""
+        """Discard cached values, because other code has changed the simulated scene."""
         self.contact = ArmContact(self.scene, self.arm)
 
     # Motion

@@ -49,8 +49,8 @@ def entry_chance(error: float, clearance: float) -> float:
 
 
 class Entrance:
-    """Model of how a held book enters and leaves a slot; whether it enters or jams is drawn at random, once
-    for each try.
+    """Model of how a held book enters and leaves a slot of a shelf; whether it enters or jams is drawn at
+    random in each attempt to insert it.
     """
 
     def __init__(self, seed: int) -> None:

@@ -18,7 +18,9 @@ from .world_file import FloorPose, Millimetres, Name
 
 
 class PlacedSpec(FloorPose):
-    """Size of a thing, and the pose of its underside's middle where a person sets it down."""
+    """Size of a thing, and the pose of the middle of its underside where a person sets it down
+    before a run.
+    """
 
     name: Name
     on: Literal["world", "robot"] = "world"

@@ -56,7 +56,9 @@ class Props(SceneProps, Generic[FileModelT]):
 
     @classmethod
     def solids(cls, spec: FileModelT) -> Sequence[Solid]:
-        """Return the domain's immovable bodies, with which the robot may collide."""
+        """Return the immovable bodies that a domain (a kind of task) adds to the world, with which the robot
+        may collide.
+        """
         return ()
 
     @classmethod
@@ -65,7 +67,9 @@ class Props(SceneProps, Generic[FileModelT]):
         yield from ()
 
     def set_up(self) -> None:
-        """Create the domain's things where a person sets them up, with errors drawn from `self.seed`."""
+        """Create the things of a domain (a kind of task) where a person would put them, with errors drawn
+        from `self.seed`.
+        """
 
     @override
     def let_go(self, thing: Thing) -> None:

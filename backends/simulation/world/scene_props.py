@@ -64,7 +64,8 @@ class SceneProps(ABC):
     # Props in a hand without physics
 
     def hand_rule(self, arm: ArmModel) -> HandRule | None:
-        """Return the rule for contacts of the hand with the domain's things; None for rigid geometry.
+        """Return the rule for contacts of the hand with the things of a domain (a kind of task); None if
+        these things are rigid and need no rule of their own.
 
         It is called once for a scene.
         """

@@ -78,7 +78,9 @@ def of_wall(wall: Wall, index: int) -> Solid:
 
 
 def of_furniture(piece: Furniture) -> Solid:
-    """Return a piece of furniture, or a surprise (unmapped obstacle) with its times, as a solid."""
+    """Return a piece of furniture as a solid; a surprise (obstacle that is not on the robot's map) keeps the
+    times at which it appears and disappears.
+    """
     middle = piece.above_m + piece.size_m[2] / 2
     pose = Pose2(piece.x_m, piece.y_m, math.radians(piece.heading_deg)).lift(middle)
     box = Box(pose, piece.size_m, piece.name)

@@ -30,9 +30,9 @@ def passer_findings(
     """Yield findings on passers who walk through something solid, or begin where the robot starts.
 
     Args:
-        loaded: the world's file, with the places of its values.
+        loaded: the world's file, with line and column of each value.
         robot: robot that starts in this world.
-        solids: all solids of the world; those that come or go are not checked.
+        solids: all solids of the world; those that appear or disappear during a run are not checked.
     """
     world = loaded.value
     if not world.passers:

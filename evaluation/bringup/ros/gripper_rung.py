@@ -22,7 +22,9 @@ MOVED_M = 0.001
 
 
 class GripperRung(Rung[RosSite]):
-    """Bring-up step that opens the fingers to two widths, and compares command, reading and a ruler."""
+    """Bring-up step that opens the fingers to two widths, and compares the command, the measured width, and
+    the width that a person reads from a ruler.
+    """
 
     name = "gripper"
     summary = "the fingers at two widths: command, reading and a ruler agree, and the fingers follow in time"

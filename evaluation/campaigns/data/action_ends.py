@@ -65,7 +65,8 @@ def action_names(task: Task) -> list[str]:
 def names_in_network(task: Task) -> dict[int, str]:
     """Return the names of a task's actions by their numbers in its network.
 
-    Actions that only skip an element of a repeated section are not in the task's file and have no name.
+    The network also has actions that skip one element of a repeated part of the task. They are not in the
+    task's file and have no name.
     """
     names = action_names(task)
     return {number: names[entry] for number, entry in enumerate(task.entries) if entry is not None}

@@ -34,7 +34,10 @@ class Trust(NamedTuple):
 
     @property
     def wrong(self) -> HeldOut | None:
-        """Prediction that differs most significantly from the measurement; None if none is significant.
+        """The prediction, among all that were tested, that differs most significantly from the measured
+        trials.
+
+        None if no difference is significant.
 
         The level of significance is corrected for the number of predictions (Bonferroni).
         """

@@ -35,7 +35,9 @@ class Runs(Protocol):
 
 
 class Population(NamedTuple):
-    """Population of runs of multilevel splitting, as counts for each level that a run has reached."""
+    """Population of runs of multilevel splitting (a method for rare events), as counts of the runs at each
+    level.
+    """
 
     levels: tuple[Level, ...]
 

@@ -15,7 +15,9 @@ from .rare_event import RareEvent
 
 
 class WalkedRuns:
-    """Random walks through a task's network, which can be stopped at a level of importance and continued."""
+    """Random walks through a task's network, which can be stopped when they reach a level of importance (a
+    measure of how close a walk is to a rare event), and continued from there.
+    """
 
     def __init__(
         self, network: ActionNetwork, walker: Walker, event: RareEvent, draws: np.random.Generator

@@ -94,7 +94,8 @@ class Settling:
 
     @classmethod
     def heard(cls, words: str | None, seeds: Sequence[int], trials: Iterable[Trial]) -> Settling | None:
-        """Return the state of a claim after some trials; None without a claim.
+        """Return the state of a claim about the success rate after the trials that have ended; None without a
+        claim.
 
         Args:
             words: the claim, such as `p > 0.95`; None without a claim.

@@ -92,8 +92,8 @@ def mcnemar_power(difference: float, lost: float, pairs: int, alpha: float = SIG
 
     Args:
         difference: difference of the rates.
-        lost: share of pairs in which only the worse campaign succeeds; only the better one succeeds in
-            `lost + difference`.
+        lost: share of pairs in which only the worse campaign succeeds; the share in which only the better one
+            succeeds is `lost + difference`.
         pairs: number of pairs.
         alpha: significance level of the test.
     """

@@ -42,7 +42,9 @@ def in_general(reason: str) -> str:
 
 
 def outcome_in_general(summary: Mapping[str, Any]) -> str:
-    """Return the outcome of a trial and its reason, with numbers replaced by `#`."""
+    """Return the outcome of a trial and its reason, with numbers replaced by `#` so that similar trials are
+    equal.
+    """
     reason = in_general(summary["reason"])
     return str(summary["outcome"]) + (f": {reason}" if reason else "")
 
@@ -123,6 +125,6 @@ class Tally:
 
         Args:
             rank: whether an outcome of the trial is false, whether the trial missed the goal, its number of
-                Fails, and its negative index.
+                Fails, and its index in the campaign, negated so that of equal trials the first is the worst.
         """
         (heapq.heappush if len(self.worst) < WORST_TRIAL_COUNT else heapq.heappushpop)(self.worst, rank)

@@ -23,7 +23,7 @@ class EndCode(IntEnum):
 
     @property
     def outcome(self) -> str:
-        """Name of the outcome: Success, Fail or GiveUp."""
+        """Outcome of a simulated run that ends with this code: Success, Fail or GiveUp."""
         return ("Success", "Fail", "Fail", "GiveUp", "GiveUp")[self]
 
 

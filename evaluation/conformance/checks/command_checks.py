@@ -118,7 +118,7 @@ def one_period(bench: KitBench, finding: CheckResult) -> None:
 
 
 def stop(bench: KitBench, finding: CheckResult) -> None:
-    """Check that no earlier command moves the robot after `stop`, neither soon nor later."""
+    """Check that after a call of `stop`, no command given before the call moves the robot any more."""
     seconds = 2.0
     for when in ("before its step", "in motion"):
         with bench.rig() as rig:

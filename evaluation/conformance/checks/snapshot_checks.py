@@ -98,9 +98,11 @@ def tolerances(bench: KitBench, finding: CheckResult) -> None:
 
 
 def drift(bench: KitBench, finding: CheckResult, kind: type[Reach] = Reach) -> None:
-    """Check that many Fails of a primitive in a row do not move the robot away from its start.
+    """Check that a primitive that ends in Fail many times in a row does not move the robot away from its
+    start.
 
-    After each Fail the primitive restores the robot's state, with an error that must not accumulate.
+    After each Fail the primitive restores the robot's state; the errors of these restorations must not add
+    up.
 
     Args:
         bench: backend to check.

@@ -38,7 +38,8 @@ class InjectedError(RuntimeError):
 class FaultyBackend(LayeredBackend):
     """Wrapper of a backend that passes on all calls, and changes readings or commands by an injected fault.
 
-    A fault lasts for its number of periods. A joint that was stuck then catches up by 0.02 rad a period.
+    A fault lasts for as many control periods as it states. A joint that was stuck then catches up with its
+    command by 0.02 rad a period.
 
     Attributes:
         bitten: number of readings or commands that the fault has changed; 0 means that it had no effect.
@@ -125,7 +126,9 @@ class FaultyBackend(LayeredBackend):
         return take()
 
     def base_drive(self, base: Base, *command: float) -> None:
-        """Pass on the base's command, unless the fault holds or slows the base."""
+        """Pass a command on to the base, unless the injected fault is a blocked base (stop) or a slip (drive
+        slower).
+        """
         self._driven = True
         if self._sticks(base):
             base.drive(0.0, 0.0)

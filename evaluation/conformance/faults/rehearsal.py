@@ -102,10 +102,11 @@ class Solo:
 
 
 def rehearsed(task: Task) -> list[Action]:
-    """Return the actions of a task's cheapest plan, with computing actions inserted.
+    """Return the actions of a task's cheapest plan, and the network's computing actions that may run next to
+    them.
 
-    A computing action, such as one that plans, moves nothing. It is inserted before an action of the plan if
-    it begins in the situation from which this action starts or in which it ends with Fail.
+    A computing action, such as one that plans, moves nothing. It is inserted before an action X of the plan
+    if it starts in the situation from which X starts, or in one to which a Fail of X leads.
     """
     network = task.network
     plan = Planner(network).plan(network.start)

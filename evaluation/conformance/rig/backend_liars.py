@@ -41,7 +41,7 @@ class KeepsDriving(LayeredBackend):
         self._command = command
 
     def step(self) -> None:
-        """Repeat the last command of the base, then step."""
+        """Repeat the last command of the base, then simulate a period; this is the fault of the mutant."""
         base = part_of(self.inner, Base)
         if base is not None and any(self._command):
             base.drive(*self._command)

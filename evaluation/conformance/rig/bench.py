@@ -29,7 +29,7 @@ class KitBench:
     """Name of the simulated backend behind the drives or topics; None: the backend needs none."""
 
     def spec(self) -> RobotFile:
-        """Return the original robot file, unmodified."""
+        """Return the robot's file as it is on disk, without changes that a check makes."""
         return load_robot(self.robot)
 
     def rig(self, seed: int = 0) -> Rig:

@@ -67,7 +67,8 @@ def driven(backend: Backend, speed: float, turn_rate: float, periods: int) -> tu
 def drivable(spec: RobotFile, speed: float, turn_rate: float) -> tuple[float, float]:
     """Return the speed in [m/s] and the turn rate in [rad/s] that the base can drive.
 
-    These are the wanted values, except for a car, which turns only while driving and within its steering.
+    These are the wanted values, except for a car, which turns only while driving, and only as sharply as its
+    steering allows.
 
     Args:
         spec: the robot's file.

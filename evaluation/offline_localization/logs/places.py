@@ -56,7 +56,9 @@ def _left_out(what: str, wrong: BoolArray, times: FloatArray) -> str:
 
 
 def repeated_rows(latitudes: FloatArray, longitudes: FloatArray) -> BoolArray:
-    """Return a mask (n,) of fixes that repeat the previous one exactly, in runs of at least `MIN_HELD_FIXES`.
+    """Return a mask (n,) that is True where a satellite fix repeats the previous one exactly.
+
+    Only series of at least `MIN_HELD_FIXES` equal fixes count.
 
     Args:
         latitudes: (n,) latitudes in [deg], or any first coordinate; NaN without a fix.

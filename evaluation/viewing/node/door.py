@@ -48,7 +48,9 @@ class Door:
         """Outcome of the run, in words."""
 
     def offer(self, link: ServingLink) -> None:
-        """Offer a service for each of the operator's commands, and one that stops the run."""
+        """Offer a ROS service for each command by which an operator intervenes in the run, and one that stops
+        the run.
+        """
         for word in COMMAND_WORDS:
             link.serve(f"{SERVICE_PREFIX}/{word}", lambda word=word: self._command(word))  # type: ignore[misc]
         link.serve(f"{SERVICE_PREFIX}/stop", self._stop, apart=True)

@@ -27,7 +27,7 @@ SHAPES_ADAPTER = TypeAdapter(list[ThingShape])
 class RecordingPart(NamedTuple):
     """States, lidar scans, particles, pictures and things of a run, as in one file of its recording.
 
-    Times are on the robot's clock, except for `world_time`, in [s], and ascending.
+    All times are in [s] and ascending; they are on the robot's clock, except for `world_time`.
     """
 
     time: FloatArray

@@ -26,7 +26,8 @@ class Eye(NamedTuple):
 
 
 def eye_on(robot: FloatArray, fov: float, aspect: float, outdoors: bool) -> Eye:
-    """Return the page's camera pose that shows the robot in the middle of the part not covered by the panel.
+    """Return the view with which a web page shows the robot in the middle of the part of the picture that the
+    page's panel leaves free.
 
     Args:
         robot: (3,) position of the robot's base in the world, in [m].

@@ -85,7 +85,9 @@ class PullWatch:
 
     @property
     def is_calm(self) -> bool:
-        """True if the mean force over `PULL_TIME_S`, less the force at rest, was too small for a pull."""
+        """True if the force on the hand is too small for a pull: its mean over `PULL_TIME_S`, less the force
+        at rest.
+        """
         if len(self._forces) < (self._forces.maxlen or 0):
             return False
         return not float(np.linalg.norm(np.mean(self._forces, axis=0))) >= CALM_SHARE * self._least
@@ -96,11 +98,12 @@ class PullWatch:
         return any(float(np.linalg.norm(force)) >= self._least for force in self._forces)
 
     def lasting(self, share: float = 1.0) -> FloatArray | None:
-        """Return the mean force (3,) over `PULL_TIME_S` in the base frame, in [N]; None if no force lasts so
-        long.
+        """Return the mean force (3,) on the hand over `PULL_TIME_S`, in the base frame, in [N].
+
+        None if the force was weaker than the limit during this time, or changed its direction.
 
         Args:
-            share: least size of the force, as a share of the least pull.
+            share: the limit, as a share of the least force that counts as a pull.
         """
         if len(self._forces) < (self._forces.maxlen or 0):
             return None

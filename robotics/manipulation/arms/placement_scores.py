@@ -48,7 +48,9 @@ class PlacementScores(NamedTuple):
         )
 
     def also(self, more: PlacementScores) -> PlacementScores:
-        """Return the scores of these placements, followed by those of `more`."""
+        """Return scores of both sets of placements (base poses): those of `self`, followed by those of
+        `more`.
+        """
         joined = None
         if self.joined is not None and more.joined is not None:
             joined = np.asfortranarray(np.vstack((self.joined, more.joined)))

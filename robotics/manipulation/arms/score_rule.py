@@ -74,7 +74,8 @@ class ScoreRule(NamedTuple):
 
     @property
     def limits(self) -> FloatArray:
-        """Limits (3, n) on the lever of the tool's force about each joint, as compiled functions take them.
+        """Limits (3, n) on the lever arm of the tool's force about each of n joints, as an array for compiled
+        functions.
 
         Rows are the low and high limits in [m], and 2 / (high - low) in [1/m].
         """

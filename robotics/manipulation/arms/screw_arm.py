@@ -86,7 +86,7 @@ class ScrewArm:
             rule: rule for the score: its measure, and the limits of the joints; None: reachability alone.
 
         Returns:
-            (p, n) in [rad]; NaN for a point that is not usable in the result of `scores`.
+            (p, n) in [rad]; NaN for a point that the arm cannot reach, or not within the limits of the rule.
         """
         rule = rule or ScoreRule.uniform(Measure.REACHABILITY, 0.1, 1.0, self.chain.dof)
         angles = np.full((1, len(path.points), self.chain.dof), np.nan)

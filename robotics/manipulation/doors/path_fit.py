@@ -51,7 +51,7 @@ class HingeFit(NamedTuple):
 
 
 class PathFit(NamedTuple):
-    """Path fitted to points of a handle, a level arc or a line in a plane that may slope a little.
+    """Path fitted to points of a handle, an arc or a line in a plane that is level or slopes a little.
 
     Everything is in the frame of the fitted points, z up. The six numbers of `state` are: offset of the path
     to the left of `origin` in [m]; heading of the path next to `origin` in [rad]; curvature in [1/m]; height

@@ -83,16 +83,16 @@ def tool_path(
     longest_step: float = LONGEST_STEP,
     longest_turn: float = LONGEST_TURN,
 ) -> ToolPath:
-    """Return the path through world_T_tool `poses` (p, 4, 4).
+    """Return the path of a tool through poses in the world frame.
 
     Args:
         poses: (p, 4, 4) world_T_tool.
-        longest_step: maximum distance between two points, in [m]; more is a jump.
-        longest_turn: maximum turn between two points, in [rad]; more is a jump.
+        longest_step: maximum distance between consecutive points, in [m].
+        longest_turn: maximum turn between consecutive points, in [rad].
 
     Raises:
-        Untrackable: a point has a NaN, is not a pose, repeats the point before or jumps; names the first such
-            point.
+        Untrackable: a point has a NaN, is not a pose, repeats the point before, or is farther from it than
+            the maximum; names the first such point.
         ValueError: fewer than two poses.
     """
     poses = np.asarray(poses, dtype=np.float64)

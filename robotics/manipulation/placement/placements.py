@@ -34,5 +34,7 @@ class Placements(NamedTuple):
 
     @property
     def score(self) -> float:
-        """Integral of the score along the complete path, in [m]."""
+        """Integral of the score over the length of the path, in [m]: the sum of the scores of
+        all placements.
+        """
         return sum(self.scores)

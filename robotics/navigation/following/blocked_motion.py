@@ -92,12 +92,12 @@ class BlockedMotion:
     def update(
         self, speed: float, rolled: float, before: Pose2, now: Pose2, direction: float = 0.0
     ) -> Blocked | None:
-        """Add a period's motion to the window; return the evidence that the base is blocked, None if it is
-        not.
+        """Add a period's motion to the window of recent motion; return the evidence that the base is blocked,
+        None if it is not.
 
         Args:
             speed: commanded speed in the direction of travel, in [m/s]; negative in the opposite direction; 0
-                empties the window.
+                empties the window of recent motion.
             rolled: distance rolled by the wheels in the direction of travel, in [m]; negative in the opposite
                 direction.
             before: estimated map_T_base before the period.

@@ -130,7 +130,8 @@ class OdometryLocalizer(Localizer):
 
     @property
     def added_sigma(self) -> float:
-        """Standard deviation, in [m], that the drive since the last check has added to the position.
+        """Standard deviation, in [m], that driving has added to the position since the pose was last compared
+        with a scan at rest.
 
         The value is that along the direction in which it is largest. It is 0 if no scan at rest can reduce
         it: without a map, or while scans do not fit the map.

@@ -62,8 +62,8 @@ class UnmappedSurroundings:
     def corrected_by_map(
         self, points: FloatArray, found: LayerMatch, map_error: FloatArray
     ) -> ScanMatch | None:
-        """Correct a pose by the part of a scan that fits the map; return None if that part is too small or
-        contradicts the pose.
+        """Correct the pose of `found` by the part of a scan that fits the map; return None if that part is
+        too small or contradicts this pose.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].

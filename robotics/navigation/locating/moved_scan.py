@@ -18,7 +18,7 @@ def rolled_motion(left: float, right: float, sideways: float, tread: float) -> P
         left: travel of the left wheels, in [m].
         right: travel of the right wheels, in [m].
         sideways: travel to the left, in [m].
-        tread: distance of the wheels, in [m].
+        tread: distance between the left and right wheels, in [m].
     """
     forward, turn = 0.5 * (left + right), (right - left) / tread
     cos, sin = math.cos(0.5 * turn), math.sin(0.5 * turn)

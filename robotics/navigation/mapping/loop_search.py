@@ -27,7 +27,7 @@ SUPPORT_M, SUPPORT_RAD = 0.3, 0.08
 
 
 class Candidate(NamedTuple):
-    """Two keyframes that may be at the same place."""
+    """Two keyframes that may have been recorded at the same place, as a candidate for a loop closure."""
 
     first: int
     """Number of the earlier keyframe."""

@@ -37,7 +37,7 @@ class ScanLog(NamedTuple):
 
     @property
     def distance(self) -> float:
-        """Length of the way by odometry, in [m]."""
+        """Length of the travelled path by odometry, in [m]."""
         return float(np.hypot(*np.diff(self.odometry[:, :2], axis=0).T).sum())
 
 

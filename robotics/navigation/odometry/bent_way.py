@@ -49,7 +49,7 @@ class BentWay(_BentSums):
         return np.asarray(self.rest.T @ self.rest + self.crossed[1:, 1:])
 
     def stepped(self, x: float, y: float, variance: float, slip: float) -> Self:
-        """Return the position errors after one more step of the base.
+        """Return the second-order errors of the odometry's position after one more step of the base.
 
         Args:
             x: x of the base's step on the map, in [m].

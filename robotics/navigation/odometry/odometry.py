@@ -108,7 +108,7 @@ class Odometry:
 
     @property
     def origin(self) -> Pose2:
-        """Estimate of map_T_base at the time of `set_origin`."""
+        """Estimate of map_T_base when `set_origin` was called, from which `displacement` is measured."""
         return Pose2(*self._origin.belief.mean.tolist())
 
     @property

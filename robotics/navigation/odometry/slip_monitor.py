@@ -47,8 +47,8 @@ class SlipMonitor:
 
     @property
     def factor(self) -> float:
-        """Factor, 1 to 400, of the slip's estimated variance to the assumed one; 1 until three windows are
-        complete.
+        """Factor, 1 to 400, by which the slip's estimated variance exceeds the assumed one; 1 until three
+        windows (sections of the travel) are complete.
         """
         if len(self._ratios) < MIN_WINDOWS:
             return 1.0
@@ -72,12 +72,12 @@ class SlipMonitor:
         self._claimed += variance
 
     def take(self, missed: float, other: float) -> None:
-        """Add a heading correction by a scan; complete the window and start a new one if its travel is long
-        enough.
+        """Add a heading correction by a scan to the present window (a section of the travel). If the window
+        is long enough, evaluate its slip and start a new one.
 
         Args:
             missed: heading by the scan less heading by the wheels, in [rad].
-            other: variance, in [rad²], of the window's turn by other errors than slip.
+            other: variance, in [rad²], of the heading's change within the window, by errors other than slip.
         """
         self._missed += missed
         if self._rolled < WINDOW_M:

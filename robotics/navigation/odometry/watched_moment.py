@@ -160,9 +160,9 @@ def spread_about(
 
     Args:
         away: (k, n) mean of each part less the mean of the mixture.
-        weights: (k,) weights of the parts for the spread of their means.
+        weights: (k,) weights of the parts' means, with which the squares of `away` are added up.
         covariances: (k, n, n) covariances of the parts.
-        shares: (k,) weights of the parts for their covariances.
+        shares: (k,) weights of the parts' covariances.
     """
     out = np.zeros(covariances.shape[1:])
     size = away.shape[1]

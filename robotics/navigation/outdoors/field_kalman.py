@@ -144,9 +144,10 @@ class FieldKalman:
         return self._origin.relative_pose(self.belief)
 
     def smoothed(self) -> list[Belief]:
-        """Return the states at all marked moments, estimated from all readings so far, also later ones.
+        """Return the states at all times that `mark` marked, estimated from all readings so far, also later
+        ones.
 
-        The list is empty if the filter has no record.
+        The list is empty if the filter keeps no record of its readings.
         """
         return [] if self._record is None else self._record.smoothed()
 
@@ -356,11 +357,11 @@ class FieldKalman:
         self._forget_past()
 
     def begin_with(self, belief: Belief, supposed: FieldNoise) -> None:
-        """Start again with a belief, mean (13,) and covariance (13, 13), computed with the noise model
+        """Start again with a given state: mean (13,) and covariance (13, 13), estimated with the noise model
         `supposed`.
 
-        If errors of this filter's own noise model are larger, the differences are added to the covariance. A
-        larger slow error of the fixes also increases the error of the position.
+        Where this filter's own noise model has larger errors, the differences are added to the covariance. If
+        its slowly changing error of the GNSS fixes is larger, the variance of the position grows as well.
         """
         mean, spread = belief.mean.copy(), belief.covariance.copy()
         mean[states.HEADING] = wrap(float(mean[states.HEADING]))

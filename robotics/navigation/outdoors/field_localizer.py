@@ -115,7 +115,7 @@ class FieldLocalizer(ABC):
         return None
 
     def set_origin(self) -> None:
-        """Set the present pose as the origin of `displacement`."""
+        """Set the present pose as the origin from which `displacement` is measured."""
         self._lead = self._odometry.pose.relative_to(self._since)
         self._set_origin()
 
@@ -177,13 +177,17 @@ class FieldLocalizer(ABC):
             self._ranges(distances)
 
     def mark(self) -> Belief | None:
-        """Mark this moment for `smoothed`; return the present belief, None for a filter without smoother."""
+        """Mark the present time as one whose state `smoothed` returns later, and return the present estimate.
+
+        None for a filter without smoother, which marks nothing.
+        """
         return None
 
     def smoothed(self) -> list[Belief]:
-        """Return the states at the marked moments, x, y and heading first; empty without a smoother.
+        """Return the states at the times that `mark` marked, with x, y and heading first; empty without a
+        smoother.
 
-        They are estimated by all readings so far, also later ones.
+        Each estimate uses all readings so far, also those after the marked time.
         """
         return []
 

@@ -23,7 +23,7 @@ def centred(points: FloatArray, shape: Footprint, sensed: FloatArray) -> tuple[F
     of the route are shifted, by `MAX_SHIFT_M` at most.
 
     Args:
-        points: (n, 2) route from the robot on, on the map, in [m].
+        points: (n, 2) the rest of the route, beginning at the robot, on the map, in [m].
         shape: polygon of the footprint.
         sensed: (m, 2) points that the lidar sees, on the map, in [m].
 

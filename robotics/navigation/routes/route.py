@@ -91,8 +91,9 @@ def plan_route(
         start: position on the map, in [m]; a heading is ignored.
         goal: position on the map, in [m]; a heading is ignored.
         reach: distance that start and goal may be outside the free space, in [m].
-        least: minimum clearance of the route, in [m]; None is returned for a route with less.
-        rounding: length over which corners are rounded, as a multiple of the usual length.
+        least: minimum clearance of the route, in [m]; None is returned if the route's clearance is smaller.
+        rounding: length over which corners are rounded, as a multiple of the default length; above 1, corners
+            become wider arcs where there is room.
         passes: number of passes that round the corners.
     """
     ends = [_join(graph, (point[0], point[1]), reach) for point in (start, goal)]

@@ -110,7 +110,7 @@ class VoronoiGraph:
 
     @property
     def dearest(self) -> float:
-        """Highest price of a path for each unit of its length, which applies where the robot just fits."""
+        """Highest cost of a path per unit of its length; the cost is highest where the robot just fits."""
         return float(max(self.radius, self.map.resolution) ** -CLEARANCE_EXPONENT)
 
     @property

@@ -195,18 +195,19 @@ def read_field(
     at: FloatArray,
     sectors: Int32Array,
 ) -> FloatArray:
-    """Return for points the distance to the nearest surface, its slopes, and whether the point is in a solid
-    cell.
+    """Return for each point the distance to the nearest surface, the slopes of the distance, and whether the
+    point is in a solid cell.
 
     Args:
         facing: (k, h, w) distances in steps of 1 / `STEPS_PER_CELL` cells, as `LikelihoodField.facing`.
         occupied: (h, w) cells of the map.
         at: (n, 2) column and row of points, cell centres at whole numbers.
-        sectors: (n,) for each point, the index along the first axis of `facing`.
+        sectors: (n,) for each point, the sector of its beam's direction, which is the index along the first
+            axis of `facing`.
 
     Returns:
-        (n, 4): distance in [cells], its slopes along x and y, without unit, and 1 in a solid cell. Outside
-        the map, infinity and three zeros.
+        (n, 4): distance in [cells]; its derivatives along columns and rows, without unit; and 1 in a solid
+            cell, otherwise 0. Outside the map, infinity and three zeros.
     """
     _, height, width = facing.shape
     out = np.empty((len(at), 4))

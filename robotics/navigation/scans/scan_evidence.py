@@ -37,7 +37,9 @@ MIN_SAME_DIRECTION_COSINE = 0.7  # cosine of two directions that are about the s
 
 
 class ScanEvidence(NamedTuple):
-    """Information of a scan about the position along the direction in which the scan determines it least."""
+    """Information that a scan gives about the position along the direction in which the scan determines it
+    least.
+    """
 
     direction: FloatArray
     """(2,) unit vector on the map."""
@@ -168,11 +170,12 @@ def rises(
     lever: FloatArray,
     scale: float,
 ) -> FloatArray:
-    """Return how much the matching cost of a scan rises for a shift, plus for the opposite shift.
+    """Return how much the matching cost of a scan rises for a shift of the scan, plus its rise for the
+    opposite shift.
 
     Args:
-        rays: (k, 2) unit vectors on the map.
-        steps: (n,) shifts along each of them, in [m].
+        rays: (k, 2) unit vectors on the map, the directions of the shifts.
+        steps: (n,) lengths of the shifts along each direction, in [m].
         every: only points whose number is a multiple of this are used.
         origin: lower-left corner of the map in its frame, in [m].
         resolution: side of a cell, in [m].
@@ -181,14 +184,15 @@ def rises(
         sectors: (m,) for each point, the index along the first axis of `facing`.
         points: (m, 2) of the scan on the map, in [m].
         distances: (m,) of the points to the nearest surface, in [m].
-        slopes: (m, 2) slopes of the distances, without unit; empty if the second result is not needed.
+        slopes: (m, 2) slopes of the distances, without unit; empty if the rise expected from the slopes is
+            not needed.
         middle: (2,) position of the base on the map, in [m].
         lever: (2,) turn of the heading for a shift along x and along y, in [rad/m].
         scale: scale of the robust cost, in [m].
 
     Returns:
         (k, n, 3) in [m²], for each direction and shift: the actual rise, the rise expected from the slopes,
-        and the rise of a single point on a wall at right angles to the shift.
+            and the rise of a single point on a wall at right angles to the shift.
     """
     count, per = (len(points) + every - 1) // every, 1.0 / resolution
     out, before = np.zeros((len(rays), len(steps), 3)), 0.0

@@ -130,8 +130,8 @@ class MovingTracks:
         )
 
     def take(self, points: FloatArray, scan: PastScan, pose_covariance: FloatArray) -> TrackedScan:
-        """Update the tracks by a scan; return its points on moving bodies, and the ground that these have
-        left.
+        """Update the tracks by a scan; return the scan's points on moving bodies, and the areas of ground
+        that moving bodies have left.
 
         Args:
             points: (n, 2) end points of beams that meet nothing shown on the map, in the map frame, in the

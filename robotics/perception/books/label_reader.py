@@ -49,12 +49,13 @@ class LabelReading(NamedTuple):
 
 
 class LabelReader(ABC):
-    """Base class of readers of all labels in a view of the shelf; subclasses read upright crops of single
-    labels.
+    """Base class of readers that read all labels in a picture of a shelf.
+
+    This class cuts the picture into upright crops of one label each; subclasses read the crops.
 
     If a `catalogue` is given, each text is replaced by the nearest known call number, at most two edits away.
-    If two are equally near, there is no call number. Texts read with less than `least_confidence` give no
-    call number either.
+    If two call numbers are equally near, the result has none. Texts read with less than `least_confidence`
+    give no call number either.
     """
 
     crop_height_px = 48

@@ -25,11 +25,11 @@ _SEAM = 0.0018  # [m] between the spines of two books that touch, or spine and c
 
 
 class Strips(NamedTuple):
-    """Horizontal strips of a flat view, each averaged over some rows.
+    """Horizontal strips of a picture that was rectified to the shelf's front, each averaged over some rows.
 
     `grey` (n, w) are the grey levels of n strips, NaN where not visible. Strip i is at height z[i]. Column c
-    shows y = left + sign * c * m_per_px, with sign -1 as seen from the front, +1 if mirrored. All are in [m],
-    in the shelf frame.
+    shows y = left + sign * c * m_per_px, with sign -1 as seen from the front, +1 if mirrored. `z`, `left` and
+    y are in [m], in the shelf frame.
     """
 
     grey: FloatArray
@@ -48,7 +48,9 @@ class Strips(NamedTuple):
         return self.left + self.sign * column * self.m_per_px
 
     def above(self, height: float) -> Strips:
-        """Return the strips above a height in the shelf frame, in [m]."""
+        """Return the strips (rows of grey levels, each at one height of the shelf) above a height in the
+        shelf frame, in [m].
+        """
         return self._replace(grey=self.grey[self.z > height], z=self.z[self.z > height])
 
     def at(self, y: FloatArray) -> FloatArray:

@@ -97,8 +97,7 @@ class CameraModel(NamedTuple):
         return points
 
     def plane_in_image(self, points: FloatArray, camera_T_plane: FloatArray, x: float = 0.0) -> FloatArray:
-        """Return the pixels (n, 2) of points on a plane, column and row in [px]: the inverse of
-        `pixel_on_plane`.
+        """Project points on a plane into the image; return their pixels (n, 2), column and row in [px].
 
         Args:
             points: (n, 2) y and z in the plane's frame, in [m].

@@ -23,7 +23,9 @@ MOVED_BY = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] how far, then
 
 
 class Kind(NamedTuple):
-    """Properties that distinguish landmarks in a picture."""
+    """Size of square landmarks, and height of the surface on which they lie; it tells kinds of landmarks
+    apart.
+    """
 
     height: float
     """Height (z) in the base frame of the surface on which the landmark lies, in [m]."""

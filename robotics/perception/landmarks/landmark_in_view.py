@@ -25,7 +25,7 @@ def wholly_in_view(
     Args:
         camera: model of the camera.
         base_T_camera: (4, 4) pose of the camera.
-        kind: size of the landmarks and height of their surface.
+        kind: side of the square landmarks, and height of the surface on which they lie.
         places: base_T_mark of each landmark, in [m] and [rad].
     """
     square = square_corners(kind.side)

@@ -73,7 +73,7 @@ def read_tags(
 
 
 class TagPose(NamedTuple):
-    """Pose of a tag that explains the tag's corners in a picture, with the remaining error."""
+    """Pose of a tag that explains the tag's corners in a picture, with the remaining reprojection error."""
 
     camera_T_tag: FloatArray
     """Pose (4, 4) of the tag, whose frame has its origin in the middle, x right, y up, z out of the tag."""
