@@ -19,7 +19,7 @@ MAX_DEPTH = 32
 
 @dataclass(frozen=True)
 class XmlTag:
-    """Start tag of an element, with its parents."""
+    """Start tag of an XML element, with the tags of all elements that contain it."""
 
     name: str
     attributes: Mapping[str, str]

@@ -39,11 +39,11 @@ _LISTENED = 2.0  # periods of a master, its SYNC or its heartbeat
 class CanBackend(Backend):
     """Backend with CiA 402 drives, as in the robot's file: wheels, joints and gripper.
 
-    The constructor writes all settings of all drives and reads them back; no drive has torque. The first
-    step enables them. A step sends our heartbeat and the commands by PDO, waits for the end of the period,
-    sends a SYNC, and receives the drives' answers. Any fault of a drive or the bus stops all axes, each
-    with its own kind of stop, and ends the step with a `CanFault`; every further step raises the same error,
-    until a new backend is built.
+    The constructor writes all settings of all drives and reads them back; no drive has torque. The first step
+    enables them. A step sends this program's heartbeat and the commands by PDO, waits for the end of the
+    period, sends a SYNC, and receives the drives' answers. Any fault of a drive or the bus stops all axes,
+    each with its own kind of stop, and ends the step with a `CanFault`; every further step raises the same
+    error, until a new backend is built.
 
     On a bench (the interface `virtual`, or `build_on_bench`) the drives are simulated in this process, and
     they move the robot of a simulated backend: each step advances the simulation by one period, no clock is

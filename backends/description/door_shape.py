@@ -53,8 +53,8 @@ class DoorTag(FileModel):
 
 
 class DoorHandle(FileModel):
-    """Round bar on the front of a door or drawer as its handle, with the bar's pose on the map while it is
-    closed.
+    """Round bar on the front of a door or drawer as its handle, with the bar's pose on the map while the door
+    or drawer is closed.
     """
 
     x_m: float

@@ -21,7 +21,7 @@ ROUNDING_DEG = 1e-6  # [deg]
 
 
 class RangeSpec(MountedSensorSpec):
-    """Beams, range, masked sectors and noise of a lidar whose scanning plane is parallel to the floor."""
+    """Beams, range, excluded sectors and noise of a lidar whose scanning plane is parallel to the floor."""
 
     kind: Literal["lidar"] = "lidar"
 
@@ -74,7 +74,9 @@ class RangeSpec(MountedSensorSpec):
         return np.linspace(start, end, self.beams, endpoint=not self.is_full_turn)
 
     def masked(self, angles: FloatArray) -> BoolArray:
-        """Return a mask (n,), True for the beams whose angles (n,), in [rad], are in a masked sector."""
+        """Return a mask (n,), True for beams whose angles (n,), in [rad], are in a sector that the robot's
+        file excludes (`masked_deg`).
+        """
         found = np.zeros(len(angles), np.bool_)
         degrees = np.degrees(angles)
         for start, end in self.masked_deg:

@@ -46,7 +46,7 @@ def robot_path(name: str) -> Path:
 
 
 def find_robot(name: str) -> Path | None:
-    """Return the path of the file of the robot with a name; None if no robot has this name.
+    """Return the path of the file of the robot with the given name; None if no robot has this name.
 
     Other installed packages are searched only for a name that is not shipped.
     """

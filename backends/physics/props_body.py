@@ -41,7 +41,9 @@ class PropsBody:
         """Act on the domain's objects at the beginning of a period, after the domain's `SceneProps.step`."""
 
     def act(self) -> None:
-        """Act before each chunk of the period; a chunk is the time between two commands to the drives."""
+        """Update the simulation of this domain's objects before each chunk of a period; a chunk is the time
+        between two commands to the drives.
+        """
 
     def end(self) -> None:
         """Update the simulation of this domain's objects at the end of a control period, before the poses of

@@ -32,7 +32,8 @@ class SceneSync:
     def things(self, held: Thing | None) -> None:
         """Copy the poses of the things that may have moved from the engine into the scene.
 
-        It also updates on what these things rest, and which thing the hand holds.
+        The scene's records of what each of these things rests on, and of which thing the hand holds, are
+        updated too.
 
         Args:
             held: thing that the hand holds; None without one.

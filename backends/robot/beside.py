@@ -17,7 +17,7 @@ class Holding(Protocol):
     time: float
 
     def wait(self, seconds: float) -> Generator[None, None, None]:
-        """Hold still for a time in [s]."""
+        """Keep the robot at rest for a time in [s], as a generator that yields once a period."""
 
 
 def beside(work: Callable[..., T], *args: object) -> Generator[None, None, T]:

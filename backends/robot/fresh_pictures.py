@@ -67,7 +67,8 @@ class FreshPictures:
 
         Args:
             image: (h, w), grey, 0 to 255.
-            carrier: (k,) travel of the wheels in [m] and joints in [rad] or [m], as for `note`.
+            carrier: (k,) positions of the wheels and joints that carry the camera: travel in [m], joints in
+                [rad] or [m].
             noisy: True if no two pictures taken at one pose are the same.
 
         Raises:

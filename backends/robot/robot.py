@@ -203,7 +203,7 @@ class Robot:
 
     @property
     def range_sensor(self) -> RangeSensor:
-        """First lidar of the robot; its scans are interpreted, so that each beam has its `Validity`."""
+        """First lidar of the robot; its scans state each beam's validity (return, no return or invalid)."""
         return self.get(RangeSensor)  # type: ignore[type-abstract]
 
     @cached_property

@@ -43,7 +43,7 @@ class SeenPeople:
         localization.crowd.put(np.array(discs).reshape(-1, 3))
 
     def now(self, time: float) -> Sequence[BodyTrack]:
-        """Return the latest tracks if they are at most 0.3 s old at `time` [s]; otherwise an empty
+        """Return the latest tracks of people if they are at most 0.3 s old at `time` [s]; otherwise an empty
         sequence.
         """
         return self._tracks if time <= self._at + MAX_PEOPLE_AGE_S else ()

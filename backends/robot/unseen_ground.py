@@ -53,8 +53,8 @@ class UnseenGround:
 
     @cached_property
     def view(self) -> SensorView:
-        """Field of view of the lidar in the base frame; empty (a negative width) if the lidar has masked
-        sectors.
+        """Field of view of the lidar in the base frame; empty (a negative width) if the robot's file excludes
+        sectors of the lidar (`masked_deg`).
         """
         scan = self._lidar.scan()
         mount, spec = scan.base_T_sensor, self._lidar.spec

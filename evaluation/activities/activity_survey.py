@@ -28,8 +28,9 @@ FOOT_M = 0.006  # of a foot over its surface
 class ActivitySurvey(Survey):
     """Evaluation of the end of a run of a BEHAVIOR-1K activity by two independent verdicts.
 
-    Our verdict compares the true place of each moved thing with the surfaces that the task names for it.
-    BEHAVIOR-1K's verdict evaluates the activity's goal in BDDL, by relations between bodies.
+    The first verdict compares the true place of each moved thing with the surfaces that the task names for
+    it. The second verdict, that of BEHAVIOR-1K, evaluates the activity's goal in BDDL by relations between
+    bodies.
     """
 
     name = "activities"

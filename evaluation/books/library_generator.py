@@ -44,7 +44,7 @@ class NoSuchLibrary(InputError):
 
 @dataclass(frozen=True)
 class UnmappedBox:
-    """Box that the map does not show."""
+    """Box on the floor of a generated library that the robot's map does not show."""
 
     pose: Pose2
     size: tuple[float, float, float]
@@ -52,8 +52,8 @@ class UnmappedBox:
 
 @dataclass(frozen=True)
 class Library:
-    """Generated library: the walls, shelves, books and obstacles of its simulated world, and the map that the
-    robot has of it.
+    """Generated library, with walls, shelves, books and obstacles of its simulated world, and the map that
+    the robot has of it.
     """
 
     seed: int

@@ -82,7 +82,7 @@ class Shelving:
 
 
 def shelving(books: BookProps, accessions: tuple[int, ...]) -> Shelving:
-    """Record the initial positions of all spines, to judge later how some books were returned.
+    """Record the initial positions of all spines, to judge later how the given books were returned.
 
     Args:
         books: books and shelves of the simulation.

@@ -105,7 +105,7 @@ class Jogger:
 
     @property
     def axes(self) -> list[str]:
-        """Names of the axes that can be moved."""
+        """Names of the axes of the robot's CAN drives, each of which an operator can jog."""
         return [name for name, _ in self.robot.can.axes()] if self.robot.can else []
 
     def jog(self, axis: str, way: float, held: Held, slower: float = 1.0) -> Jogged:

@@ -49,5 +49,7 @@ def save(record: RungRecord, path: Path) -> None:
 
 
 def read(path: Path) -> RungRecord:
-    """Read a record from its file; raises `FileError` if the file is missing or invalid."""
+    """Read the record of a run of a bring-up step from its file; raises `FileError` if it is missing or
+    invalid.
+    """
     return load(path, RungRecord)

@@ -52,7 +52,7 @@ class Worker:
         theirs.close()
 
     def give(self, seeds: list[int]) -> None:
-        """Append seeds to the worker's queue; a worker that has died is noticed by `taken`."""
+        """Append seeds to the worker's queue; if the worker has died, the next call of `taken` reports it."""
         self.seeds.extend(seeds)
         with suppress(OSError):
             self.connection.send(seeds)

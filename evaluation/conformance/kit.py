@@ -102,9 +102,10 @@ class KitSetting:
 
     @cached_property
     def rehearsals(self) -> tuple[Rehearsal, ...]:
-        """Runs of the kit's tasks into which faults are injected.
+        """Descriptions of the runs of the kit's tasks into which faults are injected.
 
-        Where an application domain declares settings for a shorter run of a task, these are used.
+        If an application domain declares settings with which a task's run is shorter, these settings are
+        used.
         """
         short = declared()
         return tuple(

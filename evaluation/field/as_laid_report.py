@@ -48,7 +48,9 @@ class AsLaid(NamedTuple):
 
     @property
     def outline(self) -> FloatArray:
-        """Closed outline (n, 2) of the 95 % ellipse in the field's frame, in [m]."""
+        """Closed outline (n, 2) of the 95 % confidence ellipse of a laid sensor's position, in the field's
+        frame, in [m].
+        """
         large, small, turn = self.ellipse
         angle = np.linspace(0.0, 2.0 * math.pi, ELLIPSE_CORNERS + 1)
         round_ = np.column_stack([large * np.cos(angle), small * np.sin(angle)])

@@ -35,9 +35,10 @@ class TaskParts:
 
     @classmethod
     def of_task(cls, task: Task) -> TaskParts:
-        """Return the parts of a task.
+        """Return the content of a task's file, split into situations, actions and other keys.
 
-        If the task's file describes its network by conditions, all situations and actions are written out.
+        If the task's file describes its network by conditions, all situations and actions that follow from
+        the conditions are listed.
         """
         document = task.document
         data = parse_document(document.content, document.file, max_nodes=MAX_TASK_NODES).data
@@ -88,7 +89,7 @@ def attempts_of(row: Row) -> Any:
 
 
 def most_attempts(row: Row) -> int | None:
-    """Return the number of Fails after which an action is excluded.
+    """Return the number of Fails after which an action is excluded, as its row of the task states it.
 
     None if it is never excluded, or if it shares its attempts with other actions.
     """

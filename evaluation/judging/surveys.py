@@ -37,8 +37,8 @@ T = TypeVar("T")
 
 
 class NoSurvey(InputError):
-    """Error: an application domain names a class for checking its runs which is not a `Survey`; raised before
-    a run.
+    """Error for an application domain whose class for checking runs is not a `Survey`; raised
+    before a run.
     """
 
 

@@ -42,7 +42,9 @@ class SensorRecorder(LayeredBackend):
         self._file: IO[bytes] | None = None
 
     def open(self, folder: Path) -> None:
-        """Write the recording to a run's folder from now on, and the calls recorded before as well."""
+        """Write all recorded calls of the backend to a run's folder from now on, including those recorded
+        before.
+        """
         with self._losing():
             self._file = (folder / SENSORS_FILE).open("xb")
             self._file.write(FORMAT_HEADER)

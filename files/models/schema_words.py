@@ -40,10 +40,10 @@ def shown(value: object) -> str:
 
 
 def described(walk: SchemaWalk, schema: Schema, key: str = "") -> str:
-    """Return the values that a schema allows, in words; "" if any value is allowed.
+    """Return a description in words of the values that a schema allows; "" if any value is allowed.
 
     Args:
-        walk: look-up in the model that contains the schema.
+        walk: lookup of referenced schemas in the model that contains the schema.
         schema: schema of the value.
         key: key of the value in the file, whose ending names the unit.
     """

@@ -133,7 +133,9 @@ class Forecaster:
         self._behind = list(behind)[::-1]
 
     def chains(self) -> Iterator[tuple[Stage, Chain]]:
-        """Yield the stages in the order in which runs pass them, each with its Markov chain."""
+        """Yield the stages (parts of the network that each successful run passes exactly once) in the order
+        in which runs pass them, each with its Markov chain.
+        """
         yield from ((stage, self._chain(stage)) for stage in self._stages)
 
     def starts(self) -> list[float]:

@@ -14,7 +14,9 @@ from .figures import missing_chances, network_chances
 
 
 class NoOutlook(Exception):
-    """Error, because an action of the task has no probability, so that no outlook can be computed."""
+    """Error, because an action of the task has no probability, so that the expected end of a run cannot be
+    computed.
+    """
 
 
 class Outlook(NamedTuple):

@@ -58,7 +58,8 @@ class AimWatch:
         self._battery: Battery | None = robot.backend.get(Battery)  # type: ignore[type-abstract]
 
     def begin_round(self) -> float:
-        """Begin to watch the next round; return the time at which it may begin, in [s] of the robot's time.
+        """Begin to watch the next round (repetition of the task); return the time at which it may begin, in
+        [s] of the robot's time.
 
         The time-out of the round counts from that time.
         """

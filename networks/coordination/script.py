@@ -39,7 +39,7 @@ class Script(FileModel):
 
 @dataclass(frozen=True)
 class Imagined:
-    """Result of a task that is run without a robot: the outcome of each action is taken from a script."""
+    """Result of a task that is run without a robot, with the outcome of each action taken from a script."""
 
     outcome: Literal["Success", "Fail", "GiveUp"]
     situation: str

@@ -17,8 +17,9 @@ class WorldWatch:
     """Detection of changes to the robot between two actions, for example by a person who moved it.
 
     The robot's state before an action is compared with its state after the previous action. If only the base
-    was moved, to its pose in an earlier situation whose facts other than `base` are the same, that situation
-    holds again. After any other change it is unknown what else was changed (row N9 of faults.md).
+    was moved, and is at its pose of an earlier situation, that situation holds again, provided that its facts
+    other than `base` are those of the present one. After any other change it is unknown what else was changed
+    (row N9 of faults.md).
     """
 
     def __init__(self, robot: Robot, network: ActionNetwork, seen: Mapping[str, Snapshot]) -> None:

@@ -104,7 +104,8 @@ class BestPolicy:
 
         Args:
             situation: name of the situation.
-            counts: Fails so far, by counter (`Action.counter`), as counted in `Attempts`.
+            counts: Fails and renewals so far (`Attempts`) for each counter (`Action.counter`); actions that
+                share attempts share a counter.
         """
         return self._process.after.at(situation, counts)
 

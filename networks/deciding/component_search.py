@@ -141,7 +141,7 @@ class ComponentSearch:
     def decision(self, state: State) -> tuple[Action | None, float, float] | None:
         """Return the best action in a state, and the lower and upper bound of its expected cost, in [s].
 
-        The result is None if the state was not expanded.
+        The result is None if the search has not examined the options of the state.
         """
         number = self._table.number(self._rows.key(state))
         if number is None or not self._table.expanded[number]:

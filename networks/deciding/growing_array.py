@@ -26,7 +26,7 @@ class GrowingArray(Generic[Scalar]):
         return self._buffer[: self._size]
 
     def extend(self, rows: NDArray[Scalar]) -> None:
-        """Append rows (m, ...)."""
+        """Append rows (m, ...) at the end of the array."""
         end = self._size + len(rows)
         if end > len(self._buffer):
             larger = np.empty((2 * end, *self._buffer.shape[1:]), self._buffer.dtype)

@@ -64,7 +64,8 @@ class OptionValues:
 
         Args:
             action: the action.
-            counts: Fails so far, by counter (`Action.counter`), as the planner keeps them.
+            counts: number of Fails so far for each counter (`Action.counter`); actions that share attempts
+                share a counter.
             hopes: True if the plan needs the action's Fail: then its Success uses up an attempt.
         """
         process, goal, mean = self._process, 0.0, action.cost_s if action.binding else 0.0

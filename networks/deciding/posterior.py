@@ -62,10 +62,11 @@ class OutcomeCounts(NamedTuple):
 
     @property
     def fail_weights(self) -> tuple[float, ...]:
-        """Parameters of the Dirichlet distribution of a Fail's causes; all unnamed causes come first.
+        """Parameters of the Dirichlet distribution of a Fail's causes; the first is for all unnamed causes
+        together.
 
-        Each is the count of the cause plus an equal part of Fail's prior. The sum of all is the weight of
-        Fail in `weights`. The tuple is empty if no causes are counted.
+        Each parameter is the count of its cause plus an equal part of the prior weight of Fail. Their sum is
+        the weight of Fail in `weights`. The tuple is empty if no causes are counted.
         """
         if not self.by_cause:
             return ()

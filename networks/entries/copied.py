@@ -52,7 +52,9 @@ class Copied:
 
 @dataclass(frozen=True)
 class Copies:
-    """Situations and actions of the network that is built from a task file, all copies included."""
+    """Situations and actions of the network that is built from a task file; those in a `repeat` (a part of
+    the task that is done for each element of a list) have a copy for each element.
+    """
 
     situations: Mapping[str, tuple[str, Element | None]]
     """Name in the file, and element, of each situation by its name in the network."""

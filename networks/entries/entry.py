@@ -34,7 +34,9 @@ class AttemptsEntry(FileModel):
 
 
 class EndingChance(FileModel):
-    """Keys for one of several results of a Success, with its probability."""
+    """Keys in a task file for one of several results with which an action can succeed, with its
+    probability.
+    """
 
     p: Probability | None = None
     """Probability that an attempt ends so."""

@@ -68,7 +68,8 @@ class FactSpace:
         return tuple((self.number[name], self._numbers(name, item)) for name, item in listed)
 
     def change(self, given: Mapping[str, Fact]) -> Change:
-        """Return changes as numbers of facts, each with the index of its new value.
+        """Return changes of facts in compact form: the number of each changed fact, and the index of its new
+        value.
 
         Args:
             given: new value by fact; all names and values must be valid.

@@ -59,7 +59,7 @@ class Interrupt:
 
 @dataclass(frozen=True)
 class Aims:
-    """Time-out, rounds and interrupts of a task; a plain task has none."""
+    """Time-out, rounds (repetitions) and interrupts of a task; a plain task has none of them."""
 
     time_out_s: float | None = None
     """Time of a run, or of each of its rounds, after which the goal is abandoned, in [s]; None: never."""
@@ -67,7 +67,7 @@ class Aims:
     interrupts: tuple[Interrupt, ...] = ()
 
     def fields(self) -> dict[str, Any]:
-        """Return the aims that are set, ready for JSON."""
+        """Return the aims of a task that are set (time-out, rounds and interrupts) as fields for JSON."""
         found: dict[str, Any] = {}
         if self.time_out_s is not None:
             found["time_out_s"] = self.time_out_s

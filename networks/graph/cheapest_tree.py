@@ -85,7 +85,8 @@ class CheapestTree:
 
         Args:
             here: number of the situation in the network.
-            spoiled: intervals of situations whose routes contain a failed action, as returned by `spoiled`.
+            spoiled: intervals of numbers of the situations whose cheapest routes contain a failed action, in
+                depth-first order (result of the method `spoiled`).
         """
         number = self._enter[here]
         for enter, leave in spoiled:  # noqa: SIM110 (a generator takes twice as long)

@@ -180,7 +180,7 @@ class Action:
 
     @property
     def p_success(self) -> float | None:
-        """Probability of Success, with any target situation; None if it is unknown."""
+        """Probability that the action ends in Success, in whichever situation; None if it is unknown."""
         return None if self.p is None else self.p + sum(other.p or 0.0 for other in self.others)
 
     def further(self, with_chances: bool) -> tuple[object, ...]:
@@ -210,7 +210,7 @@ class Action:
 
     @property
     def do(self) -> str:
-        """The primitive's name in files; SKIP if the action only skips an element of a `repeat`."""
+        """Name of the primitive in files; SKIP if the action leaves an element of a `repeat` undone."""
         return self.binding.label if self.binding else "SKIP"
 
     @property

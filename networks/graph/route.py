@@ -68,9 +68,10 @@ class RunDecisions:
 
     @property
     def has_next_round(self) -> bool:
-        """True if another round follows after this one.
+        """True if the task is repeated once more after the present round (repetition).
 
-        This is so if rounds remain, and the facts of the present situation are those of the network's start.
+        The number of rounds must not be used up, and the facts of the present situation must be those of the
+        network's start.
         """
         rounds = self.network.aims.rounds
         if rounds is None or (rounds.most is not None and self.round >= rounds.most):

@@ -199,7 +199,9 @@ class NotStartedRecord(TypedDict):
 
 @with_config(_OPEN)
 class Skip(TypedDict):
-    """Record of an element of a repeat that is left undone."""
+    """Record of an element of a list that the run leaves undone, in a part of the task that is done for each
+    element.
+    """
 
     action: Index
     element: str

@@ -34,7 +34,7 @@ class ClosedToYou(InputError):
 
 
 class NotAnswering(HandcartError):
-    """Error: a run in a folder is alive but does not answer its operator; its state is unknown."""
+    """Error, because a run in a folder is alive but does not answer its operator; its state is unknown."""
 
 
 def ask(folder: Path, message: Mapping[str, Any], patience: float = ANSWER_TIMEOUT_S) -> dict[str, Any]:

@@ -41,7 +41,7 @@ class Operation(RunObserver):
         self._control = Control(folder, self.answer, self._stop)
 
     def look(self) -> None:
-        """Receive and execute commands; called once a period."""
+        """Receive and execute the operator's commands to the run; called once a period."""
         idle = self._coordinator.life.state in _IDLE
         self._control.poll(self._robot.period if idle else 0.0)
         answer = self._permits.typed() if self._permits.asks is not None else None

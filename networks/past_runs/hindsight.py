@@ -27,7 +27,7 @@ class OpenRoute:
 
 @dataclass(frozen=True)
 class FailRoute:
-    """The cheapest route to the goal after a Fail of the chosen action with a certain cause."""
+    """The cheapest route to the goal after an action has failed with a certain cause."""
 
     cause: str
     """Cause of the Fail; empty for all causes that `Action.fail_endings` does not name."""
@@ -118,7 +118,9 @@ def choice_of(run: PastRun, action: PastAction) -> Choice | None:
 
 
 def counts_now(run: PastRun) -> dict[int, int]:
-    """Return the counts of Fails and renewals (`Attempts`) at a run's end, by the actions' `counter`.
+    """Return the counts of Fails and renewals (`Attempts`) at a run's end.
+
+    The keys are numbers of counters (`Action.counter`); actions that share their attempts share a counter.
 
     Counts of 0 may be missing. The journal of the run must keep its network.
     """

@@ -37,8 +37,8 @@ class NamedBinding(Binding):
 
 @dataclass(frozen=True)
 class JournaledNetwork:
-    """An action network as it was recorded in a run's journal, with the knowledge that its primitives may
-    read.
+    """An action network as it was recorded in a run's journal, with what each action's primitive may read in
+    the world model.
     """
 
     network: ActionNetwork

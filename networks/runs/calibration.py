@@ -53,7 +53,7 @@ class Calibration(FileModel):
     """Values by key in the robot's file: `camera.calibrated.focal_px`."""
 
     def text(self) -> str:
-        """Return the values as text of a calibration file, in YAML."""
+        """Return the calibration values as text of a calibration file, in YAML."""
         from ruamel.yaml import YAML
 
         yaml = YAML()

@@ -156,7 +156,7 @@ def _columns(rows: Sequence[Row]) -> dict[str, Any]:
 def load_arrays(path: Path) -> dict[str, NDArray[Any]]:
     """Return the arrays of an .npz file, by name and of any shape and unit.
 
-    Only numbers are loaded, no objects, and no more than a run ever keeps.
+    Only numbers are loaded, no Python objects, and at most 256 MiB, which is more than a run ever keeps.
 
     Raises:
         OSError, ValueError, zipfile.BadZipFile: the file is of another format, damaged, or larger.

@@ -23,7 +23,7 @@ class DrawnStart(FileModel):
 
     @property
     def pose(self) -> Pose2:
-        """map_T_base at the start."""
+        """Pose map_T_base at which the robot starts to build the drawing."""
         return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg))
 
 

@@ -116,7 +116,8 @@ class LandmarkViews:
     def explanations(self) -> list[MarkAssignment]:
         """Most likely assignment of seen marks to landmarks, then similarly likely ones, best first.
 
-        Of the similarly likely assignments, only those are included from which another base pose follows.
+        A similarly likely assignment is included only if it leads to another base pose than the most likely
+        one.
         """
         return rivals(self._explained) if self._explained else []
 

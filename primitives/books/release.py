@@ -163,7 +163,7 @@ class Release(HeldBookPrimitive):
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """Read the labels in a picture, put the arm away, and return whether the book is where it belongs.
 
-        Its label must be read in its slot, between the right neighbours.
+        Its label must be read in its slot, between those neighbours that the order of call numbers demands.
         """
         if model.of(Books).book is None:
             return False

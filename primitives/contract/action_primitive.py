@@ -139,8 +139,9 @@ class ActionPrimitive(FileModel, ABC):
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         """Return a message about a condition for the start that is not met; empty if all are met.
 
-        The method is called at rest, after `hand` and `arm_inside` were checked. If it returns a message, the
-        action is not started, which counts as a Fail of the action, and the run is planned again.
+        The method is called at rest, after the declared conditions on the hand's content (`hand`) and the
+        arm's posture (`arm_inside`) were checked. If it returns a message, the action is not started, which
+        counts as a Fail of the action, and the run is planned again.
         """
         return ""
 

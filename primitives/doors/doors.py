@@ -40,8 +40,8 @@ class MeasuredHinge(NamedTuple):
 
 
 class DoorState(NamedTuple):
-    """State in which the robot left a door or drawer: its opening, the pose of its closed handle, and the
-    measured hinge or direction of sliding.
+    """State in which the robot left a door or drawer, with its opening, the pose of its closed handle, and
+    the measured hinge or direction of sliding.
     """
 
     door: str

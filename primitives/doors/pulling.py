@@ -85,7 +85,8 @@ def yield_to_force(robot: Robot, bias: FloatArray) -> Generator[None, None, None
 
     Args:
         robot: robot whose hand holds a handle.
-        bias: (3,) force on the empty hand, in the base frame, in [N]; see `measured_bias`.
+        bias: (3,) force that was measured on the empty hand before, in the base frame, in [N]; it is
+            subtracted.
     """
     yield from relax(robot)
     for _ in range(RELAX_PERIODS):

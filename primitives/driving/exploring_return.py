@@ -47,7 +47,8 @@ def drive_to_start(
         look: choice of frontiers, which draws the map.
 
     Raises:
-        Discrepancy: no route leads back, or the scan does not match those of the start.
+        Discrepancy: no route leads back, or the scan at rest does not match the scans that were taken at the
+            start.
     """
     first = scans.map.poses[0]
     found = yield from robot.compute(look.take, scans.pose, None)

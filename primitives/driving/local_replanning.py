@@ -322,10 +322,11 @@ class LocalReplanning:
         return tracker.command(robot.pose, robot.period, self.speed_limit)
 
     def free_length(self, ahead: FloatArray, least: float) -> float | None:
-        """Return how far in [m] a route is free of what is sensed, or None if all of it is.
+        """Return the length, in [m], over which a route is free of sensed obstacles; None if the complete
+        route is free.
 
         Args:
-            ahead: (n, 2) points of the route from here on, on the map, in [m].
+            ahead: (n, 2) points of the rest of the route, on the map, in [m].
             least: distance to sensed points that counts as free, in [m].
         """
         length, obstacle = free_length(self._layer.merged(), ahead, least)

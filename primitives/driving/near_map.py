@@ -74,7 +74,8 @@ class NearMap:
         return np.vstack([self.layer.cells(), self._rows_beyond])
 
     def forget(self, before: float) -> bool:
-        """Drop sensed cells whose last hit by a lidar beam is older than a time, and return whether any was.
+        """Drop sensed cells whose last hit by a lidar beam is older than a time, and return whether any were
+        dropped.
 
         Args:
             before: the time, in [s] of the robot's time.

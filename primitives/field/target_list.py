@@ -31,7 +31,9 @@ MAX_QUOTED_CHARACTERS = 60  # characters of what is wrong
 
 
 class TargetRow(NamedTuple):
-    """A target's row in a file, unparsed."""
+    """Row of one target in a file of targets, with its line and the text of its cells, not yet converted to
+    numbers.
+    """
 
     line: int
     columns: dict[str, int]

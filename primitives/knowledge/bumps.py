@@ -160,7 +160,9 @@ def _words(blocked: Blocked, bump: FloatArray, spec: RobotFile) -> str:
 
 
 def avoided_points(robot: Robot, model: WorldModel | ModelView) -> FloatArray:
-    """Return points (n, 2) on the map that routes must avoid, in [m]: sensed obstacles, and bumps."""
+    """Return points (n, 2) on the map that routes must avoid, in [m]: sensed obstacles, and the places at
+    which base or arm bumped into something.
+    """
     arm = _away(robot, bump_areas(model.arm_bumps, 0.0))
     return np.vstack([model.obstacles, bump_areas(model.bumps, robot.spec.footprint_radius_m), arm])
 

@@ -19,7 +19,9 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class Pushed(NamedTuple):
-    """Result of a push, with the largest resistance."""
+    """Result of a push by the hand, with the largest force, and whether the resistance was above
+    the limit.
+    """
 
     met: bool
     """True if the hand was stopped by a resistance above the limit."""

@@ -113,7 +113,9 @@ class Residuals(Mapping[str, float]):
 
     @property
     def moved(self) -> Residuals:
-        """Residuals beyond their limits, without uncertainties; only these show that something moved."""
+        """Residuals beyond their limits, without residuals that are uncertainties of measurements, which do
+        not show that something moved.
+        """
         return Residuals(residual for residual in self.all if residual.is_motion)
 
     @property

@@ -91,7 +91,7 @@ class Divide(ActionPrimitive):
         """Return the rest of a seam, divided among places of the base.
 
         Args:
-            placer: placer for the robot.
+            placer: planner of base poses for the robot.
             rest: rest of the seam, on the map.
             room: free poses of the base.
 

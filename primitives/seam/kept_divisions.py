@@ -17,7 +17,8 @@ class KeptDivisions:
         self._kept: dict[bytes, Placements] = {}
 
     def division(self, follows_from: Iterable[bytes], find: Callable[[], Placements]) -> Placements:
-        """Return the kept division for the same data, or find it and keep it.
+        """Return the division of a seam among base poses that was kept for the same data; otherwise find and
+        keep it.
 
         Args:
             follows_from: all data on which the division depends; equal data has an equal division.

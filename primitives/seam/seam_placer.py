@@ -16,7 +16,8 @@ FREE_TURNS = {"nothing": FreeTurn.NONE, "azimuth": FreeTurn.VERTICAL, "roll": Fr
 
 
 def work_of(spec: RobotFile, speed: float | None = None) -> Work:
-    """Return speed, force, free turn and tolerance with which the robot's tool works along a path.
+    """Return speed, force and tolerance of the robot's tool along a path, and the turn of the tool that the
+    path leaves free.
 
     Args:
         spec: robot's file, with the tool.

@@ -30,7 +30,7 @@ CAMPAIGN_LEVELS: Mapping[str, Level] = {"run": "run", "fitted": "fitted", "netwo
 
 
 class NotPossible(InputError):
-    """Error: options of a campaign are invalid, alone or together; raised before any run begins."""
+    """Error of campaign options that are invalid, alone or together; raised before any run begins."""
 
 
 @dataclass(frozen=True, kw_only=True)

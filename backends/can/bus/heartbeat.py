@@ -11,7 +11,7 @@ _EARLY = 0.9  # of its time: a period is never quite as long as it should be
 
 
 class Heartbeat:
-    """Heartbeat of this program, sent by the control loop, never by a timer.
+    """CANopen heartbeat of this program, sent to the drives by the control loop, never by a timer.
 
     If the loop hangs, the heartbeat stops, and the drives stop by themselves.
     """

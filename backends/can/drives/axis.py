@@ -133,7 +133,7 @@ class Axis(canopen.RemoteNode):
             return int(self._object(index, subindex).raw)
 
     def write(self, index: int, subindex: int, value: int) -> None:
-        """Write a value into an object of the drive; raise `SilentDrive` or `WrongDrive`."""
+        """Write a drive's object by SDO; raise `SilentDrive` if it is silent, `WrongDrive` if it refuses."""
         with self._asked_for(index):
             self._object(index, subindex).raw = value
 

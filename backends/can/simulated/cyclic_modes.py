@@ -65,8 +65,8 @@ class CyclicVelocity(DriveMode):
 
     @property
     def status(self) -> int:
-        """Bits of the statusword (6041h) that depend on the mode: bit 12, which says that the drive follows
-        its set-points.
+        """Bits of the statusword (6041h) that depend on the mode; bit 12 says that the drive follows its
+        set-points.
         """
         return SETPOINT_TAKEN
 

@@ -28,5 +28,5 @@ class DriveNmt(NmtSlave):
         return True
 
     def beat(self) -> None:
-        """Send a heartbeat."""
+        """Send a CANopen heartbeat of the simulated drive."""
         self.network.send_message(0x700 + self.id, bytes([self._state]))

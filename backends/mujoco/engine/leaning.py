@@ -31,8 +31,9 @@ class Leaning:
         """Contact islands of the trees at the last call of `look`, as bytes."""
 
     def compiled(self, model: Any, link: int | None) -> None:
-        """Adapt the set of leaning things to a newly compiled model, which may have more kinematic trees than
-        before.
+        """Adapt the record of things that lean on the robot to a newly compiled model.
+
+        The model may have more kinematic trees than the model before.
 
         Args:
             model: MuJoCo's model.

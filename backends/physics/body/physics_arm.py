@@ -117,7 +117,9 @@ class PhysicsArm(SimulatedArm):
         return torques
 
     def end(self) -> None:
-        """End a control period; in the next one, the set-points move on from this period's command."""
+        """End a control period: remember its command, from which the set-points of the next
+        period move on.
+        """
         self._from = self._command.copy()
 
     def _load_torque(self, angles: FloatArray) -> FloatArray | float:

@@ -71,8 +71,9 @@ class PhysicsHolonomicBase(CommandedHolonomicBase):
         self._given += turn
 
     def act(self) -> None:
-        """Turn the wheels at the base's speeds in the next part of the control period, for their encoders
-        only.
+        """Turn the simulated wheels at the base's speeds in the next part of the control period.
+
+        Only the wheels' encoders depend on this; the base itself is moved without wheels.
         """
         self.drives.follow()
 

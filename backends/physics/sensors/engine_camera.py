@@ -51,7 +51,9 @@ class EngineCamera(SimulatedCamera):
     @classmethod
     @override
     def build(cls, site: SensorSite[CameraSpec]) -> SimulatedCamera:
-        """Build a camera with the renderer that the world's file names: the engine's, or `SceneCamera`."""
+        """Build a camera with the renderer that the world's file names: that of the physics engine, or
+        `SceneCamera`.
+        """
         if site.world.camera != "engine":
             return SceneCamera.build(site)
         engine, body, world = physics_of(site)

@@ -21,7 +21,9 @@ class EngineDepthCamera(SimulatedDepthCamera):
     @classmethod
     @override
     def build(cls, site: SensorSite[DepthCameraSpec]) -> SimulatedDepthCamera:
-        """Build a depth camera with the renderer that the world's file names: the engine's or the scene's."""
+        """Build a depth camera with the renderer that the world's file names: that of the physics engine, or
+        the ray caster for simulated scenes.
+        """
         return cls(site) if site.world.camera == "engine" else SceneDepthCamera(site)
 
     def __init__(self, site: SensorSite[DepthCameraSpec]) -> None:

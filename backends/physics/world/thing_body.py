@@ -67,7 +67,9 @@ class ThingBody:
         return THING_FRICTION
 
     def uvs(self) -> tuple[Uvs, ...]:
-        """Return the texture corners (u, v), 0 to 1, of the faces, in the order -x, +x, -y, +y, +z, -z."""
+        """Return the texture coordinates (u, v), 0 to 1, of the corners of the box's six faces, in the order
+        -x, +x, -y, +y, +z, -z.
+        """
         faces = self.thing.faces()
         return tuple(_part_of(number, side in faces) for number, side in enumerate(BOX_SIDES))
 

@@ -137,7 +137,7 @@ class Localization(ABC):
 
     @property
     def map_shift(self) -> FloatArray:
-        """Largest errors of the position on the map due to the size of the map's cells, either way, in [m].
+        """Largest errors of the position on the map due to the size of the map's cells, in [m], without sign.
 
         The errors along x and y (2,), or (1 + n, 2) with a further row for each of n directions of walls.
         They are added to `repeatability` when a pose is compared with a place on the map.
@@ -176,7 +176,7 @@ class Localization(ABC):
 
     @property
     def added_sigma(self) -> float:
-        """Sigma of the position's error, in [m], that the last drive added and no scan at rest corrected."""
+        """Standard deviation, in [m], of the position error from the last drive that no scan corrected."""
         return 0.0
 
     @property
@@ -309,7 +309,7 @@ class Localization(ABC):
         """Mark the present instant, so that `smoothed` returns the pose at this instant."""
 
     def smoothed(self) -> list[Belief]:
-        """Return the pose at each `mark`, corrected by later readings; empty if this is not supported."""
+        """Return the poses at times marked by `mark`, corrected by later readings; empty if unsupported."""
         return []
 
     def _predict(self, left: float, right: float, sideways: float) -> None:

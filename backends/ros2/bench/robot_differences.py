@@ -44,7 +44,7 @@ class RobotDifferences:
 
     @classmethod
     def read(cls, words: Iterable[str], robot: RobotFile, spec: RosSpec) -> RobotDifferences:
-        """Parse differences from texts such as `joint_3=-1` or `odometry.turn=57.3`.
+        """Parse the differences between a simulated robot and its file from texts such as `joint_3=-1`.
 
         Args:
             words: texts of the form NAME=FACTOR.

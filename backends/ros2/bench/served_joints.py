@@ -93,8 +93,8 @@ class ServedJoints:
         return {} if self._plan is None else self._plan.at(now_s + period)
 
     def settle(self, now_s: float, measured: Mapping[str, float], presses: bool) -> None:
-        """End the goal of the action if the joints have reached it, or if they or the fingers cannot reach
-        it.
+        """End the goal of the ROS action if the joints have reached it, or if they cannot reach it any more:
+        a joint is late, or an object between the fingers stops them.
 
         Args:
             now_s: time of the bench, in [s].

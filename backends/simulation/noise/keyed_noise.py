@@ -29,7 +29,9 @@ def keyed(seed: int, purpose: str, period: int = 0) -> np.random.Generator:
 
 
 def keyed_normal(seed: int, purpose: str, period: int, size: int) -> FloatArray:
-    """Return standard normal numbers (size,): the first ones of `keyed`, but cheap enough for every period.
+    """Return standard normal random numbers (size,) that depend only on the arguments.
+
+    They are the first numbers of the generator that `keyed` returns, computed fast enough for every period.
 
     Args:
         seed: seed of the run.

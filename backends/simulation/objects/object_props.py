@@ -91,7 +91,9 @@ class ObjectProps(Props[ObjectsSection]):
         self.puller.held_out = held_out
 
     def pull_now(self, spec: PullSpec) -> None:
-        """Let a person pull from now on, in addition to the pulls of the world's file."""
+        """Let a person pull at the object in the hand from now on, in addition to the pulls that the world's
+        file plans.
+        """
         self.puller.pulls.append(SimulatedPull(spec, self.scene.time))
 
     @override

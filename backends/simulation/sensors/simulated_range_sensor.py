@@ -22,7 +22,7 @@ from .simulated_sensor import SimulatedSensor
 
 
 class SimulatedRangeSensor(RangeSensor, SimulatedSensor):
-    """Simulated lidar with Gaussian noise and the faulty readings of a driver.
+    """Simulated lidar with Gaussian noise, and with faulty readings such as a real lidar's driver delivers.
 
     All beams are measured at one instant. Black surfaces and flat angles lose no readings. A reading below
     `range_min_m` is -infinity (REP 117). `errors` in the robot's file sets the shares of beams that read

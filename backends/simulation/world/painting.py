@@ -47,7 +47,9 @@ INSCRIBED_SQUARE_RATIO = float(np.sqrt(0.5))  # of a circle's diameter: side of 
 
 
 class Painted(NamedTuple):
-    """Object of a scene with the function that paints it; more distant objects are painted first."""
+    """Position of a scene's object, for painting distant objects first, and the function that paints the
+    object.
+    """
 
     middle: FloatArray
     """Middle (3,) of the object in the world, in [m]; more distant objects are painted first."""

@@ -136,9 +136,10 @@ class FloorPlan:
         return np.column_stack((self.cos * dx + self.sin * dy, self.cos * dy - self.sin * dx))
 
     def gap(self, base: Pose2, footprint: Footprint, time: float) -> tuple[float, str]:
-        """Return the distance of a footprint to the nearest present outline in [m], and the solid's name.
+        """Return the distance of a footprint to the nearest solid that is in the world at a time, in [m], and
+        the solid's name.
 
-        A negative distance means that they overlap; it is infinite without outlines.
+        A negative distance means that they overlap; it is infinite if no solid is there.
         """
         if footprint.is_disc:
             away, name = self.clearance(base.x, base.y, time)

@@ -32,7 +32,7 @@ class Motion(NamedTuple):
 
 
 def base_of(backend: RosBackend) -> Base:
-    """Return the base of a robot."""
+    """Return the base of a robot that is driven by ROS topics; every such robot has one."""
     base = backend.get(Base)  # type: ignore[type-abstract]
     assert base is not None, "every robot has a drive"
     return base

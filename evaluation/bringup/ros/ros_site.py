@@ -53,7 +53,9 @@ class RosSite(RobotSite):
 
     @contextmanager
     def air(self) -> Iterator[tuple[Link, Callable[[], None]]]:
-        """Yield a connection to the topics, and a function that waits briefly while messages arrive."""
+        """Yield a connection to the topics of the robot's running drivers, and a function that waits briefly
+        while messages arrive.
+        """
         inner = self._simulated(0) if self.bench else None
         with connected(self.robot, self.spec, inner, self.differences) as both:
             yield both

@@ -82,7 +82,7 @@ class Learned:
 
     @cached_property
     def prediction(self) -> Prediction:
-        """Success and duration of the task, predicted from all trials."""
+        """Predicted probability of the task's success and its expected duration, computed from all trials."""
         return predict(self.task, self.seen)
 
     @property

@@ -27,7 +27,7 @@ class LevelStop(RunObserver):
     """Observer that stops a run after an action as soon as the run's importance has reached a level.
 
     The importance, as in multilevel splitting, shows how near a run is to a rare outcome; it is computed from
-    the attempts of actions that are used up.
+    the number of attempts that the run has used up.
     """
 
     def __init__(
@@ -54,7 +54,9 @@ class LevelStop(RunObserver):
             raise NotSplit(prepared.backend_name)
 
     def event(self, event: Event) -> None:
-        """Count an action that has ended, and stop the run if its importance has reached the level."""
+        """Count an action that has ended, and stop the run if the run's importance (nearness to the rare
+        outcome) has reached the level.
+        """
         if not isinstance(event, Ended):
             return
         self.steps += 1

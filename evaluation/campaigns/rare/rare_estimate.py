@@ -32,8 +32,8 @@ class LevelSeen(NamedTuple):
 
     @property
     def part(self) -> float:
-        """Contribution of the level to the rare outcome's probability, by the counts of all populations
-        together.
+        """Part of the rare outcome's probability that comes from the runs started at this level, estimated
+        from all populations together.
         """
         return self.share * self.hits / max(1, self.runs)
 

@@ -39,7 +39,7 @@ def walked_population(trials: WalkedTrials, event: RareEvent, seed: int) -> Tria
 
 
 def run_population(task: Path, runs: Path, options: RunOptions, event: RareEvent, seed: int) -> Trial:
-    """Run a population on a simulated backend by multilevel splitting, and return it as one trial.
+    """Run a population of runs on a simulated backend by multilevel splitting, and return it as one trial.
 
     Args:
         task: the task's file.

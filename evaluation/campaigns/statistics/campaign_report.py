@@ -48,7 +48,7 @@ class CampaignReport:
 
     @cached_property
     def tally(self) -> Tally:
-        """Counts of all trials, computed in one pass."""
+        """Counts of outcomes, and values of metrics, of all trials of the campaign, computed in one pass."""
         return Tally(self.trials) if self.counted is None else self.counted
 
     @property
@@ -91,7 +91,9 @@ class CampaignReport:
         return None if at is None else self.trials[at]
 
     def spreads(self) -> dict[str, Spread]:
-        """Return the distribution of each metric, with the 95 % interval of its median or share of yes."""
+        """Return the distribution of each metric, with the 95 % interval of its median, or of the share of
+        True for a metric that is True or False.
+        """
         return {name: self._spread(name) for name in self.tally.columns}
 
     def _spread(self, name: str) -> Spread:

@@ -47,8 +47,8 @@ def signed_rank(differences: FloatArray) -> float:
 def holm(p_values: Mapping[str, float], weights: Mapping[str, float]) -> dict[str, float]:
     """Return p-values adjusted for multiple tests, by Holm's weighted step-down method (1979, section 4).
 
-    If two campaigns do not differ, an adjusted p-value at or below `SIGNIFICANCE_LEVEL` occurs with at most
-    this probability.
+    If two campaigns do not differ, an adjusted p-value at or below `SIGNIFICANCE_LEVEL` occurs with a
+    probability of at most `SIGNIFICANCE_LEVEL`.
 
     Args:
         p_values: p-value of each test, by name.

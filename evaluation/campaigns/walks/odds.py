@@ -23,7 +23,7 @@ class EndCode(IntEnum):
 
     @property
     def outcome(self) -> str:
-        """Outcome of a simulated run that ends with this code: Success, Fail or GiveUp."""
+        """Outcome (Success, Fail or GiveUp) of a simulated run that ends with this code."""
         return ("Success", "Fail", "Fail", "GiveUp", "GiveUp")[self]
 
 

@@ -181,7 +181,9 @@ class HalfPixel(LayeredBackend):
 
 
 class Undelayed(LayeredBackend):
-    """Mutant backend that reports a delayed pose of the base without its delay."""
+    """Mutant backend that reports the delayed pose of an external positioning system as if it had
+    no delay.
+    """
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)

@@ -65,7 +65,7 @@ def _copy_unpacked(source: IO[bytes], sink: IO[bytes]) -> None:
 
 
 def unpacked_message(data: bytes) -> bytes:
-    """Return a message's bytes, unpacked if they are a zstd frame.
+    """Return a message's bytes, decompressed if they are a frame of the compressed format zstd.
 
     Raises:
         zstandard.ZstdError: the frame is damaged.

@@ -162,7 +162,7 @@ class ObjectSurface(LevelPose):
         return min(self.size_m[0] / 2 - abs(off.x), self.size_m[1] / 2 - abs(off.y))
 
     def moved_to(self, pose: Pose2) -> Self:
-        """Return the surface at another pose on the map, its spots with it."""
+        """Return the surface at another pose on the map; its spots (places for objects) move with it."""
         spots = {name: spot.moved_by(self.floor, pose) for name, spot in self.spots.items()}
         heading = math.degrees(pose.theta)
         return self.model_copy(update={"x_m": pose.x, "y_m": pose.y, "heading_deg": heading, "spots": spots})

@@ -64,7 +64,7 @@ class _PlacingModels(NamedTuple):
 def goals_on(surface: ObjectSurface, spot: str | None) -> list[Transform]:
     """Return the goal poses map_T_object (4, 4) at a spot of a surface, or in the surface's middle.
 
-    There are several, with different headings, if the heading is free.
+    If the heading is free, there are several poses with different headings.
     """
     if spot is None or spot not in surface.spots:
         return turned(surface.floor, surface.height_m, True)

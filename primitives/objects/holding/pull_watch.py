@@ -85,8 +85,8 @@ class PullWatch:
 
     @property
     def is_calm(self) -> bool:
-        """True if the force on the hand is too small for a pull: its mean over `PULL_TIME_S`, less the force
-        at rest.
+        """True if the mean force on the hand over `PULL_TIME_S`, less the force at rest, is too small for a
+        pull.
         """
         if len(self._forces) < (self._forces.maxlen or 0):
             return False
@@ -100,7 +100,8 @@ class PullWatch:
     def lasting(self, share: float = 1.0) -> FloatArray | None:
         """Return the mean force (3,) on the hand over `PULL_TIME_S`, in the base frame, in [N].
 
-        None if the force was weaker than the limit during this time, or changed its direction.
+        None if the mean force is weaker than the limit, or if the force fell clearly below the limit in
+        between.
 
         Args:
             share: the limit, as a share of the least force that counts as a pull.

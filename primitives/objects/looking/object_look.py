@@ -342,7 +342,7 @@ def require_determined(model: ModelView, name: str, seen: ObjectSighting, need: 
 def on_map(base: Pose2, base_covariance: FloatArray, seen: Pose2, covariance: FloatArray) -> FloatArray:
     """Return the covariance (3, 3) on the map of a pose that was measured in the base frame.
 
-    It is of x, y in [m] and heading in [rad].
+    Its rows and columns are x, y in [m] and heading in [rad].
 
     Args:
         base: map_T_base.

@@ -14,7 +14,9 @@ UNUSABLE_SCORE = -1.0
 
 
 class Measure(IntEnum):
-    """Kind of the score of a base pose at a point of a path that the arm reaches from it."""
+    """Kind of the score that a base pose gets at a point of the tool's path, for example reachability or
+    manipulability.
+    """
 
     REACHABILITY = 0
     """1 wherever the arm reaches: figure 2a of Shin (2005)."""

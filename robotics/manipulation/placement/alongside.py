@@ -72,11 +72,11 @@ def place_alongside(
     """Return straight drives of the base along a path, as few as possible, each for an equal part of the
     path.
 
-    At each point the score is that of an arm on a base at rest (see `Placer`), at the pose where the driving
-    base passes this point. The arm alone is therefore fast and strong enough, without the base's motion.
+    The score at each point is that of an arm whose base is at rest where the driving base passes this point.
+    The arm alone is therefore fast and strong enough for the work, without the base's motion.
 
     Args:
-        placer: placer of the arm and its work.
+        placer: planner of base poses for the arm and its work.
         path: path of the tool.
         blocked: function that reports which of many base poses are blocked.
         count: maximum number of drives.

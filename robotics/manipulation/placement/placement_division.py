@@ -48,10 +48,11 @@ class TooFewPlacements(Untrackable):
 
 
 def fewest_placements(scores: PlacementScores) -> int:
-    """Return the smallest number of placements that track the whole path.
+    """Return the smallest number of placements (poses of the base) from which the arm tracks the complete
+    path.
 
     Raises:
-        Untrackable: no set of placements tracks the whole path; names the first bad point.
+        Untrackable: no set of placements tracks the complete path; names the first bad point.
     """
     return len(_longest_first(scores))
 

@@ -34,7 +34,7 @@ class Placements(NamedTuple):
 
     @property
     def score(self) -> float:
-        """Integral of the score over the length of the path, in [m]: the sum of the scores of
-        all placements.
+        """Integral of the score over the length of the path, in [m], which is the sum of the placements'
+        scores.
         """
         return sum(self.scores)

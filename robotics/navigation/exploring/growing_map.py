@@ -74,7 +74,7 @@ class GrowingMap:
         the odometry since then.
 
         Args:
-            odometry: odom_T_base at the wanted moment.
+            odometry: odom_T_base at the time for which map_T_base is wanted.
         """
         last, pose = (self.last.odometry, self.poses[-1]) if self._found is None else self._found
         return pose.compose(odometry.relative_to(last))

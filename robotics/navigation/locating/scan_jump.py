@@ -77,7 +77,7 @@ class ScanJump:
         return False
 
     def reset(self) -> None:
-        """Discard all scans so far."""
+        """Discard all scans and wheel travel so far; the next scan becomes the reference for later ones."""
         self._reference, self._moved, self._changes = None, Pose2(0.0, 0.0, 0.0), 0
 
     def _is_changed(self, before: ScanBeams, beams: ScanBeams, estimated: Pose2 | None) -> bool:

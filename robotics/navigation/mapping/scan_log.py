@@ -42,7 +42,9 @@ class ScanLog(NamedTuple):
 
 
 class Keyframe(NamedTuple):
-    """Scan from which a map is built, with the odometry; all points are in the base frame at the scan."""
+    """Scan from which a map is built, with the odometry's pose when it was taken; all points are in the base
+    frame at that time.
+    """
 
     row: int
     """Row of the log."""

@@ -41,7 +41,7 @@ class ScanLayer:
 
     @property
     def occupied(self) -> BoolArray:
-        """Mask (h, w) of cells whose score is high enough for an obstacle."""
+        """Mask (h, w) of the cells that scans have shown as occupied often enough to count as obstacles."""
         return np.asarray(self._scores >= OCCUPIED_SCORE)
 
     @property

@@ -100,6 +100,6 @@ def turn_variance(slip: float, length: float, left: float, right: float, tread: 
         length: distance after which the slip is independent of that before, in [m].
         left: travel of the left wheels, in [m].
         right: travel of the right wheels, in [m].
-        tread: distance of the wheels, in [m].
+        tread: distance between the left and right wheels, in [m].
     """
     return slip**2 * length * (abs(left) + abs(right)) / tread**2 if math.isfinite(left + right) else 0.0

@@ -174,7 +174,8 @@ class Ways:
         return route if self._tight_spot(route, None) is None else None
 
     def price(self, points: FloatArray) -> float:
-        """Return the price of a path on this map: its length in [m], weighted at each cell by `room_price`.
+        """Return the price of a path on this map: its length in [m], multiplied in each cell by a factor that
+        is larger the nearer obstacles are.
 
         It is infinite if the robot fits nowhere on the map.
 

@@ -66,9 +66,9 @@ class Strips(NamedTuple):
         return np.where(inside, grey, np.nan)
 
     def brightness(self, left: float, right: float, lowest: float) -> float | None:
-        """Return the mean grey level of an interval; None if more than half of it is not visible.
+        """Return the typical grey level of a lateral interval; None if more than half of it is not visible.
 
-        It is the median of the means of all strips above a height.
+        It is the median of the mean grey levels that the strips above a height have in the interval.
 
         Args:
             left: left end y in the shelf frame, in [m].
