@@ -67,7 +67,7 @@ def policy(
     start: State | None = None,
     chances: Chances | None = None,
 ) -> Policy:
-    """Return the decisions of the rule in all states that runs can reach from the start.
+    """Return the decisions of the cheapest-route rule in all states that runs can reach from the start.
 
     The rule takes the cheapest route to the goal; each Fail doubles an action's cost.
 
@@ -94,7 +94,8 @@ def explored(
     start: State | None = None,
     chances: Chances | None = None,
 ) -> Policy:
-    """Return the decisions of the rule in the states that runs can reach, as far as the budget suffices.
+    """Return the decisions of the cheapest-route rule in the states that runs can reach, as far as the budget
+    suffices.
 
     The rule takes the cheapest route to the goal. If the budget is spent, the states found so far are
     returned with `is_complete` False.
@@ -169,7 +170,8 @@ class _Visit:
 
 
 def likely_policy(network: ActionNetwork, chances: Chances, effort: Effort, start: State) -> Policy:
-    """Return the decisions of the rule in the likeliest states of runs, as many as the budget allows.
+    """Return the decisions of the cheapest-route rule in the likeliest states of runs, as many as the budget
+    allows.
 
     The rule takes the cheapest route to the goal; each Fail doubles an action's cost.
 

@@ -17,7 +17,8 @@ class Beliefs:
 
     The weights of Success, Fail and GiveUp are the parameters of a Dirichlet distribution. At first they are
     the probabilities in the file times the prior's number of attempts. Each Success or Fail adds 1 to its
-    weight; GiveUp keeps its weight, because it ends a run. All copies of an action by `repeat` share weights.
+    weight; GiveUp keeps its weight, because it ends a run. If a `repeat` copies an action for each element of
+    a list, all copies share weights.
     """
 
     def __init__(self, network: ActionNetwork, prior: BeliefPrior) -> None:

@@ -131,7 +131,7 @@ def judge_switch(
 def judge_policies(
     best: BestPolicy, draw: Callable[[], Sequence[Chances]], start: State, rule_steps: float
 ) -> SwitchVerdict:
-    """Judge by draws of the outcome probabilities whether a best policy costs less than the rule.
+    """Judge by draws of the outcome probabilities whether a best policy costs less than a simple rule.
 
     The rule always takes the cheapest route to the goal.
 

@@ -48,7 +48,9 @@ class FoldedAction:
 
 @dataclass(frozen=True, eq=False)
 class RepeatedPart:
-    """Part of the network that a `repeat` copies for each of its elements, drawn once in a frame."""
+    """Part of the network that exists once for each element of a `repeat` (a list in the task file), drawn
+    only once, in a frame.
+    """
 
     title: str
     """Title that names the repeated elements."""

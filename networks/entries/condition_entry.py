@@ -90,8 +90,8 @@ class ConditionEntry(TaskEntry):
 
     @property
     def p_success(self) -> float | None:
-        """Probability that the condition ends in Success, whichever effects that has; None if the file does
-        not state it.
+        """Probability that the action ends in Success, whichever effects that has; None if the file does not
+        state it.
         """
         every = [ending.p for ending in self.endings]
         return None if None in every else sum(p or 0.0 for p in every)

@@ -68,9 +68,7 @@ class BeliefEntry(FileModel):
 
 
 class Each(FileModel):
-    """Reference in a repeated part of a task file, `{each: NAME}`, to the element for which the part is
-    copied, or to a value in it.
-    """
+    """Reference, in a repeated part, to the element for which the part is copied, or to a value in it."""
 
     each: str
     """NAME, or NAME.KEY."""

@@ -25,8 +25,8 @@ def causes_of(kind: type[ActionPrimitive]) -> tuple[CauseKind, ...]:
     """Return the causes of a Fail or GiveUp that occur in the code of a primitive, in alphabetical order.
 
     The code is that of the primitive's class, and of all functions and classes used there, if they are in
-    `handcart.primitives` or in the packages of the class and its base classes. Causes that an attempt of any
-    primitive may have are not included (see `framework_causes`).
+    `handcart.primitives` or in the packages of the class and its base classes. Causes with which any
+    primitive may fail, such as a time-out, are not included (`framework_causes` returns them).
     """
     packages = {item.__module__.partition(".")[0] for item in kind.__mro__} - {"builtins", "handcart"}
     return _sorted(_Walk(packages).causes_from(kind))

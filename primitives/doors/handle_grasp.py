@@ -65,7 +65,7 @@ def plan_handle(
         door: the door.
         base_T_handle: (4, 4) measured pose of the handle.
         joint: assumed hinge or slide of the door, in the base frame.
-        openings: assumed opening now, and wanted one, in [rad] if hinged, in [m] if sliding.
+        openings: assumed present opening, and wanted one, in [rad] if hinged, in [m] if sliding.
         around: obstacles for the arm, in the base frame, including the front of the door.
     """
     spec = robot.spec.gripper

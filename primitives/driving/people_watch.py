@@ -162,7 +162,8 @@ class PeopleWatch:
     def drawn_on(self, grid: GridMap, pose: Pose2) -> GridMap:
         """Return a map for planning a route, in which people and some distance around them are occupied.
 
-        The distance depends on the attempt (see `try_less_room`); in the last attempt, the map is unchanged.
+        The distance is smaller if no route was found at the full distance. If none was found at the smaller
+        distance either, the map is returned unchanged.
 
         Args:
             grid: the map.

@@ -120,8 +120,8 @@ class Residuals(Mapping[str, float]):
 
     @property
     def limits(self) -> dict[str, float | None]:
-        """Return the limit of each residual (remaining error of a check) by the residual's label; None where
-        no limit is known.
+        """Limit of each residual (remaining error of a check), by the residual's label; None if no limit is
+        known.
         """
         return {label: residual.limit for label, residual in self._by_label.items()}
 

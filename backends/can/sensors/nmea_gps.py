@@ -23,7 +23,7 @@ class NmeaGps(LiveSensor, Gps):
 
     Positions are in the plane that touches the earth at the origin stated in the robot's file; up to 10 km
     from the origin, distances in it are correct to 1 mm. A fix is used once, and only if its time of day
-    advances with this machine's clock: see `UtcOrder`.
+    advances with this machine's clock (checked by `UtcOrder`).
     """
 
     def __init__(self, source: GpsSource, clock: Clock = time.monotonic) -> None:

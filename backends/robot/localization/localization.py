@@ -176,7 +176,7 @@ class Localization(ABC):
 
     @property
     def added_sigma(self) -> float:
-        """Standard deviation, in [m], of the position error from the last drive that no scan corrected."""
+        """Standard deviation, in [m], of position error that driving added since the last scan at rest."""
         return 0.0
 
     @property

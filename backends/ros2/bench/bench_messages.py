@@ -27,7 +27,7 @@ from handcart.robotics.perception.cameras.camera_model import CameraModel
 
 
 def odometry_message(link: Link, now: float, pose: Pose2, speeds: DriveCommand) -> Any:
-    """Return an `Odometry` message.
+    """Return a ROS message `Odometry` with a pose and speeds of the base.
 
     Args:
         link: connection to the topics, which creates the message.

@@ -26,8 +26,9 @@ def is_swing(errors: Errors, loaded: bool, start: FloatArray, end: FloatArray) -
 
 
 def swing_yaw(errors: Errors, seed: int, motion: int) -> float:
-    """Return the random angle by which a swing of the arm (see `is_swing`) turns the base to the left, in
-    [rad].
+    """Return the random angle, in [rad], by which a swing of the arm turns the base to the left.
+
+    A swing is a large motion of the loaded arm, in which casters and tyres yield.
 
     Args:
         errors: errors of the robot's file.

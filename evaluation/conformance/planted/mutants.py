@@ -136,6 +136,6 @@ _ALL = (
 
 
 def mutants() -> dict[str, Mutant]:
-    """Return the kit's own mutants and those of all domains, by name."""
+    """Return the mutants (faulty primitives and backends) of the kit itself and of all domains, by name."""
     listed = [mutant for domain in domains() if domain.mutants for mutant in imported(domain.mutants)]
     return {mutant.name: mutant for mutant in (*_ALL, *listed)}

@@ -197,7 +197,8 @@ def withdrawn(base_T_hand: Transform) -> Transform:
 
 
 def free_spots(surface: ObjectSurface, radius: float, near: tuple[float, float]) -> list[tuple[float, float]]:
-    """Return spots on the map at which an object's foot is completely on a surface, those near a point first.
+    """Return spots on the map at which an object's foot is completely on a surface, the spots near a point
+    first.
 
     Args:
         surface: the surface.
