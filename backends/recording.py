@@ -36,9 +36,10 @@ class Recording(ABC):
 
     @abstractmethod
     def keep(self, stem: Path) -> None:
-        """Write an extract of the traffic into a file whose name begins with `stem`.
+        """Write an extract of the recorded traffic into a file whose name begins with `stem`.
 
-        The extract consists of the last seconds before this call, and those before the last `mark`.
+        The extract consists of the last seconds before this call, and of the last seconds before the latest
+        call of `mark`, such as at a fault.
         """
 
     @abstractmethod

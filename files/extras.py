@@ -24,7 +24,14 @@ EXTRA_MODULES: dict[str, Sequence[str]] = {
 
 
 def extra_of(error: ImportError) -> str | None:
-    """Return the extra of handcart that provides a module that failed to import; None if no extra does."""
+    """Return the name of the optional dependencies ("extra") of handcart that would install a module.
+
+    Args:
+        error: failed import of the module.
+
+    Returns:
+        The extra's name; None if no extra contains the module.
+    """
     module = (error.name or "").partition(".")[0]
     return next((extra for extra, modules in EXTRA_MODULES.items() if module in modules), None)
 

@@ -20,7 +20,9 @@ class BeaconRanges(NamedTuple):
 
 
 class Beacons(Capability):
-    """Radio beacons that measure ranges, such as ultra-wideband."""
+    """Receiver on the robot that measures its ranges to radio beacons at fixed places, such as
+    ultra-wideband.
+    """
 
     READINGS: ClassVar = {"ranges": Reading("beacons", ("distances",))}
 

@@ -28,4 +28,4 @@ class Positioning(Capability):
 
     @abstractmethod
     def reading(self) -> PoseReading | None:
-        """Return the latest reading that has arrived; None before the first."""
+        """Return the latest pose reading that has arrived; None before the first."""

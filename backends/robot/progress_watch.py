@@ -45,8 +45,8 @@ class ProgressWatch:
 
         Args:
             command: command of the base in the period.
-            travel: travel of the wheels before the period, in [m].
-            before: estimated pose before the period, as in `Localization.odometry_pose`.
+            travel: travel of the wheels since the start, as measured before the period, in [m].
+            before: pose by odometry before the period, as in `Localization.odometry_pose`.
         """
         rolled, way = self._localization.travel, command.direction
         left, right = rolled.left - travel.left, rolled.right - travel.right

@@ -12,7 +12,7 @@ from .thing_table import CarriedEntry, FurnitureEntry
 
 
 class GoalOption:
-    """Set of conditions that must hold together at the end, one of several alternatives for a goal.
+    """One of several alternatives for an activity's goal, a set of conditions that must hold together.
 
     `add` takes the conditions one by one; `moves` then returns the things that have to be moved, and where.
     """

@@ -23,7 +23,9 @@ from .thing_table import CarriedEntry
 
 @dataclass(frozen=True)
 class MadeActivity:
-    """An activity whose files were written, with its room, the folder, and how much things were narrowed."""
+    """An activity whose files were written, with its room, the files' folder, and the factors by which things
+    were made narrower to fit between the fingers.
+    """
 
     definition: Definition
     room: Room

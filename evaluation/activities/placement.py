@@ -129,7 +129,7 @@ def place_pieces(
         things: entries with the sizes of the carried things, by term.
 
     Raises:
-        FileError: things are on more than two floors, or a table is too narrow for what is on it.
+        FileError: things are on more than two floors, or a table is too narrow for the things on it.
     """
     sizes = _Sizes(definition, relations, things)
     terms = [text for text in relations.terms() if not relations.stands_on_furniture(text)]

@@ -43,7 +43,7 @@ class Room:
 
 
 def furnish(definition: Definition, relations: ActivityRelations, sizes: Mapping[str, CarriedEntry]) -> Room:
-    """Return the room of an activity.
+    """Return the room of a BEHAVIOR-1K activity, with its furniture and the first and last poses of things.
 
     Args:
         definition: the activity.

@@ -109,7 +109,9 @@ class StopReach:
         return ""
 
     def body(self, place: LevelPose, name: str) -> Box:
-        """Return a block as a box named `name`, at a pose on the map."""
+        """Return the body of a block at a pose on the map, as a box with the given name for checks of
+        contact.
+        """
         return place.body(self._block, name)
 
     def _sight(self, mark: LevelPose, heading: float) -> ToolPath:

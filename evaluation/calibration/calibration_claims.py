@@ -65,7 +65,7 @@ def suspension_faults(spots: Mapping[str, float], found: Mapping[str, Calibrated
     calibration, but not by more than a fixed limit.
 
     Args:
-        spots: figures of a `LaserSurvey`.
+        spots: results of a `LaserSurvey`, a simulated person who reads laser spots on walls, by name.
         found: results of the run's calibration, by key.
     """
     return _beyond(found, {name: (spots[f"laser_{name}"], most) for name, most in MAX_SPOT_ERRORS.items()})

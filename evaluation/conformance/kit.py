@@ -222,10 +222,10 @@ def jobs_of(setting: KitSetting) -> list[Job]:
 def run_kit(
     setting: KitSetting, processes: int = 2, tell: Callable[[int, int], None] = lambda done, count: None
 ) -> KitReport:
-    """Run the kit in a pool of processes.
+    """Run the conformance kit, which tests a backend with a robot, in a pool of processes.
 
     Args:
-        setting: selection of parts.
+        setting: backend and robot to test, and selected parts of the kit.
         processes: number of parallel processes.
         tell: called after each job, and from time to time, with the numbers of finished and of all jobs.
     """

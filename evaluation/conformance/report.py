@@ -107,7 +107,10 @@ class KitReport:
 
     @property
     def planted(self) -> list[Caught]:
-        """Results of the mutants that could be tried on this robot; others need parts that it lacks."""
+        """Results of the mutants (backends with a planted fault) that the kit could try on this robot.
+
+        Other mutants need parts that the robot lacks.
+        """
         return [mutant for mutant in self.mutants if not mutant.skipped]
 
     @property

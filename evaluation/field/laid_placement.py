@@ -27,7 +27,9 @@ class Placement(NamedTuple):
 
     @property
     def error_mm(self) -> tuple[float, float] | None:
-        """Measured position less target, x and y in [mm]; None if the sensor was not measured."""
+        """Measured less desired position of the sensor, x and y in the field's frame in [mm]; None if it was
+        not measured.
+        """
         if self.measured is None:
             return None
         return 1e3 * (self.measured[0] - self.target[0]), 1e3 * (self.measured[1] - self.target[1])

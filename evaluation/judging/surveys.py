@@ -113,7 +113,9 @@ class Surveys:
                 self._leave_out(survey, error)
 
     def started(self, number: int, primitive: ActionPrimitive) -> None:
-        """Record the ground truth at the start of an action, and notify every survey."""
+        """Record the ground truth at the start of an action, and notify every survey (observer that evaluates
+        the run).
+        """
         self._before = self.run.robot.backend.ground_truth()
         for _ in self._asked(lambda survey: survey.started(number, primitive)):
             pass

@@ -53,7 +53,7 @@ class DropsParcel(Pick):
 
 
 class TurnsSighting(LookFor):
-    """Faulty LOOK_FOR that reports a wrong heading of the object, which it did not measure."""
+    """Mutant of the primitive LOOK_FOR that reports a wrong heading of each object that it has found."""
 
     @override
     @classmethod

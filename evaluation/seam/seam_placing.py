@@ -141,10 +141,11 @@ def _start(placements: Placements, seam: ToolPath, room: StandingRoom) -> Pose2:
 
 
 def write_task(placed: PlacedSeam, file: Path, robot: str, folder: Path) -> None:
-    """Write the files of a task that tracks a divided seam, and the picture `placements.svg`.
+    """Write the files of a task that tracks a seam in parts, each from a base pose, and the picture
+    `placements.svg`.
 
     Args:
-        placed: divided seam.
+        placed: the seam's parts, each with its base pose.
         file: file of the seam; it is copied.
         robot: name of the robot in the task.
         folder: created if it is missing.

@@ -48,7 +48,10 @@ class SeamStretch:
 
 @dataclass(frozen=True)
 class StretchNotes:
-    """Data of a `SeamStretch` in plain types, as stored in a checkpoint."""
+    """Record of joints and tool positions on a part of a seam, in plain types for a checkpoint.
+
+    It holds the data of a `SeamStretch`.
+    """
 
     part: dict[str, Any]
     score: float

@@ -17,7 +17,9 @@ Fact = str | bool | int | float
 
 
 class TableRow(FileModel):
-    """Row of an `ActionTable`, with a primitive and the rows that follow its Success and its Fail."""
+    """Row of a network's table of primitives, with a primitive and the numbers of the rows that follow its
+    Success and its Fail.
+    """
 
     do: str
     ok: int

@@ -62,9 +62,10 @@ def hand_findings(task: Task) -> list[Finding]:
 
 
 def denied_hand_facts(task: Task) -> list[Finding]:
-    """Return findings on facts of a situation that contradict the hand's content after an action.
+    """Return findings on actions whose file states facts that contradict the hand's content after the action.
 
-    The action leads to the situation; its primitive declares whether the hand is then full or empty.
+    A fact is stated for the situation to which the action leads. Whether the hand is then full or empty is
+    declared by the action's primitive.
     """
     uses = _uses(task)
     found: dict[int, Finding] = {}

@@ -20,9 +20,10 @@ _GOAL, _ENDED, _LOST = -1, -2, -3
 
 
 class Quantile(NamedTuple):
-    """Lower and upper bound of a quantile of the time of a run, estimated from random walks in a chain.
+    """Lower and upper bound of a quantile of the time of a run, estimated from random walks in a Markov
+    chain.
 
-    The bounds are equal unless a walk came to a state that is missing in the chain.
+    The bounds are equal unless a walk came to a state that the chain omits.
     """
 
     low_s: float

@@ -38,10 +38,11 @@ class _Way(NamedTuple):
 
 
 class RouteFinder:
-    """Search for the cheapest routes by relaxation (Bellman, 1958), for many combinations of Fails at once.
+    """Search for the cheapest routes to the goal, by relaxation (Bellman, 1958), for many combinations of
+    Fails at once.
 
     An action's weight is its cost, doubled for each of its Fails; an action without attempts left is
-    excluded. The routes are those of `PlanSearch`.
+    excluded. The routes are the same as those that `PlanSearch` finds for one combination.
     """
 
     def __init__(self, network: ActionNetwork) -> None:

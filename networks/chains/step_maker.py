@@ -33,7 +33,7 @@ class State(NamedTuple):
 
 
 class Step(NamedTuple):
-    """Decision of a policy in a state, which is the next action, with the states that may follow."""
+    """Next action that a policy chooses in a state of a run, with the states to which its results lead."""
 
     action: Action | None
     """The action; None if no route is left."""

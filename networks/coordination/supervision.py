@@ -106,8 +106,8 @@ class Supervision:
 
         Args:
             request: the request. A stop is always accepted, and precedes all other requests.
-            number: number of the action that is meant, from 1; None: the run, or for a restore the action
-                that runs now.
+            number: number of the action that is meant, from 1; None: the run; a request to restore then means
+                the action that runs now.
 
         Returns:
             The reason in words if the request is rejected; empty if it is accepted.

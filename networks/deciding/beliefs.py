@@ -79,7 +79,7 @@ class Beliefs:
     def chances(self) -> list[Chance | None]:
         """Return the mean outcome probabilities of each action by the present beliefs.
 
-        An action that only skips an element of a repeat has None.
+        An action has None if it only skips an element of a list over which the task repeats actions.
         """
         known = {entry: _mean(self.weights(entry)) for entry in self._prior}
         return [known.get(entry) for entry in self._entries]

@@ -76,9 +76,9 @@ class BestPolicy:
         return other
 
     def is_rule_better(self, forecaster: Forecaster | None = None) -> bool:
-        """Return whether the rule costs less than the policy that was found within the budget.
+        """Return whether the rule, which takes the cheapest route, costs less than this best policy.
 
-        The rule takes the cheapest route. Only an unfinished search can find a policy that is worse.
+        This can only be true if the search for the best policy ended early because its budget was used up.
 
         Args:
             forecaster: forecaster of the same network and probabilities; None: a new one.

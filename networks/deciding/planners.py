@@ -12,7 +12,7 @@ from .best_policy import BestPolicy, PolicyName
 
 
 def planner_of(network: ActionNetwork, chances: Chances | None = None) -> Planner:
-    """Return the planner of a network's policy.
+    """Return the object that chooses a run's actions by the policy that the network names.
 
     Args:
         network: the network.

@@ -194,7 +194,10 @@ def _endings(process: Process, action: Action) -> list[tuple[float, str, bool]]:
 
 
 def counters_of(process: Process, part: int) -> list[int]:
-    """Return the counters whose number of Fails can differ between the states of a part of the network.
+    """Return the numbers of the counters of failed attempts that can differ between the states of a part of
+    the network.
+
+    Each counter counts the Fails of one action, or of several actions that share their attempts.
 
     Args:
         process: the network.

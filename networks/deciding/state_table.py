@@ -219,10 +219,13 @@ class StateTable:
         return priced
 
     def reached(self, roots: IntArray, option: IntArray) -> IntArray:
-        """Return the numbers (k,) of the states that runs can reach, ascending, `roots` included.
+        """Return the states (k,) that are visited if each state's chosen option is taken, ascending by
+        number.
+
+        The states `roots`, from which it starts, are included.
 
         Args:
-            roots: (n,) numbers of the states in which the runs start.
+            roots: (n,) numbers of the states to start from.
             option: (states,) number of the option chosen in each state, or `STOP_CHOICE`.
         """
         seen = np.zeros(len(option), bool)

@@ -131,11 +131,13 @@ class AimsHead(FileModel):
     """Repetition of a task that ends where it began: a number, `forever`, or `most`, `every_s` and `at`."""
 
     def aims(self, entries: Sequence[InterruptEntry], goals: Callable[[int], Sequence[str]]) -> Aims:
-        """Return the aims of the network, which are time-out, rounds and interrupts.
+        """Return the network's aims, which are its time-out, the rounds in which it is repeated, and its
+        interrupts.
 
         Args:
             entries: the file's interrupts.
-            goals: function that returns the situations ending an interrupt, given the interrupt's number.
+            goals: function that returns the situations that end an interrupt, given the interrupt's number
+                from 0.
         """
         interrupts = tuple(entry.interrupt(goals(number)) for number, entry in enumerate(entries))
         return Aims(self.time_out_s, self._rounds(), interrupts)

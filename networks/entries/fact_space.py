@@ -175,7 +175,10 @@ class FactSpace:
                 yield at, f"{name} is never {value_in_words(one)!r}{said}"
 
     def entry_faults(self, entry: ConditionEntry) -> Faults:
-        """Yield the unknown facts and values in an action of the file, with key paths from its entry on."""
+        """Yield a fault for each unknown fact or value that an action's entry in the task's file contains.
+
+        The fault's place is the path of keys from the action's entry to the value.
+        """
         yield from self.given_faults(("if",), entry.condition)
         for number, ending in enumerate(entry.endings):
             yield from self.given_faults(("then",) if entry.is_plain else ("then", number), ending.changes)

@@ -37,7 +37,11 @@ class BeliefPrior(NamedTuple):
 
     @classmethod
     def read(cls, fields: Mapping[str, Any]) -> BeliefPrior | None:
-        """Return the prior from the fields of a journal's header; None if the header has no prior."""
+        """Return the beliefs in the actions' outcome probabilities at the start of a run, from its journal's
+        header.
+
+        The result is None if the header contains none.
+        """
         kept = fields.get("belief")
         return None if kept is None else cls(float(kept["attempts"]), tuple(map(int, kept["entries"])))
 

@@ -13,8 +13,9 @@ Ways = Sequence[Sequence[tuple[int, tuple[int, ...]]]]
 class CheapestTree:
     """Tree of the cheapest routes from all situations to the goal, before any action has failed.
 
-    The situations of each subtree have consecutive numbers in a depth-first order. A Fail makes the routes of
-    one subtree more expensive, so that comparing numbers shows whether it concerns a situation's route.
+    A Fail of an action makes the routes of one subtree more expensive. The situations of each subtree have
+    consecutive numbers in a depth-first order, so that two comparisons show whether a situation is in the
+    subtree.
     """
 
     def __init__(self, ways: Ways, base: Sequence[float], goal: int) -> None:

@@ -209,7 +209,11 @@ class Skip(TypedDict):
 
 @with_config(_OPEN)
 class Aim(TypedDict):
-    """Record that the run now pursues another goal, or waits for the next round."""
+    """Journal's record of a change of the run's aim.
+
+    The run may pursue another goal, begin another round of a task that is repeated, or wait for the next
+    round.
+    """
 
     what: Literal["abandon", "interrupt", "round", "wait"]
     """The goal is abandoned, an interrupt comes first, another round begins, or the round waits."""

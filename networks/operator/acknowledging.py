@@ -49,9 +49,10 @@ def acknowledge(folder: Path, record: int, cause: str | None = None) -> str:
 
 
 def cause_of(contents: JournalContents, record: int) -> Record:
-    """Return a record that waits for a person, with its kind `kind` and checksum `h`.
+    """Return the record of a journal that has the number `record` and waits for a person.
 
-    Of a damaged record, the checksum is that of the record before it.
+    Its key `kind` is the kind of the record, and `h` its checksum. A damaged record is replaced by one with
+    the checksum of the record before it.
     """
     if record < len(contents.records):
         return contents.records[record]

@@ -47,7 +47,7 @@ class JournaledNetwork:
 
     @cached_property
     def values(self) -> RunOptionValues:
-        """Cache of the options' expected results, used for all decisions of a run.
+        """Cache of the time and result expected of each option, used for all decisions of a run.
 
         An option is an action that a run can take next.
         """

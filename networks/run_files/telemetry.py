@@ -52,7 +52,9 @@ class Telemetry:
         self._located.append(robot.localization.is_located)
 
     def track(self) -> RunTrack:
-        """Return everything recorded so far, with all poses on the map if the robot was located."""
+        """Return times, poses and states of the run that were recorded so far, with poses in the map frame if
+        the robot knew its pose on the map.
+        """
         table = np.array(self._rows, dtype=np.float64).reshape(-1, 6)
         poses = on_the_map(table[:, 1:4], np.array(self._located, dtype=np.bool_))
         return RunTrack(table[:, 0], poses, table[:, 4].astype(np.int32), table[:, 5] > 0.5)

@@ -172,10 +172,10 @@ def load_arrays(path: Path) -> dict[str, NDArray[Any]]:
 
 
 def load_readings(path: Path) -> Readings:
-    """Load the readings that the recorder wrote.
+    """Load the sensor readings that the flight recorder of a run saved as arrays.
 
     Raises:
-        OSError, ValueError, zipfile.BadZipFile: the file is of another format, or damaged.
+        OSError, ValueError, zipfile.BadZipFile: the file can't be read, is of another format, or damaged.
     """
     columns = load_arrays(path)
     if "time_s" not in columns:

@@ -53,7 +53,7 @@ class Past:
 
     @property
     def last(self) -> int:
-        """Number of the journal's last complete record."""
+        """Number of the last complete record in the journal of the run that is to be resumed."""
         return len(self.contents.records) - 1
 
     @property

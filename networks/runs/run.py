@@ -70,14 +70,13 @@ def execute(
     """Execute a run until it ends. An interrupt (Ctrl-C) stops the robot, which then holds its position.
 
     During the run, the operator's commands are received on the socket `control` in `run_dir`. The files
-    `journal.jsonl`, `telemetry.npz`, `summary.json` and the evidence are written into `run_dir`; after a
-    fault of the program also `error.txt`.
+    `journal.jsonl`, `telemetry.npz`, `summary.json` and the pictures and data that primitives keep as
+    evidence are written into `run_dir`; after a fault of the program also `error.txt`.
 
     Args:
-        prepared: the prepared task, robot and backend; options that concern only their preparation are
-            ignored in `options`.
+        prepared: the prepared task, robot and backend.
         run_dir: the run's folder; made if it is missing.
-        options: options of the execution.
+        options: options of the run; those that concern only the preparation are ignored.
         past: a run to resume; None for a new run.
         clock: clock for the wall time of the run, in [s].
 

@@ -82,7 +82,8 @@ def _overs(document: Document) -> list[KeyPath]:
 
 
 def with_element(node: Node, element: Element | None, root: Node, findings: Findings) -> Node:
-    """Return the node with the element of a repeat in place of each `{each: NAME}` or `{each: NAME.KEY}`.
+    """Return a node of the task's file, in which each `{each: NAME}` or `{each: NAME.KEY}` is replaced by the
+    present element of the list over which the task repeats actions.
 
     Args:
         node: a node of the document at `root`.

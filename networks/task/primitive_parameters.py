@@ -134,7 +134,8 @@ def _adapter(kind: type[ActionPrimitive], late: frozenset[str]) -> TypeAdapter[A
 def named_entry(field: FieldInfo) -> str:
     """Return the entry of the world model, such as `places`, that has to contain a parameter's value.
 
-    The primitive marks its parameter with this entry (`Names`). The result is empty without such a mark.
+    The parameter's annotation in the primitive names this entry (`Names`). The result is empty if it names
+    none.
     """
     marks = [mark for part in (field, *_options(field)) for mark in getattr(part, "metadata", ())]
     marks += [mark for part in _options(field) for mark in getattr(part, "__metadata__", ())]

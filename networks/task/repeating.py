@@ -20,7 +20,8 @@ def repeated(
     start: str,
     parts: Sequence[Repetition],
 ) -> Copies:
-    """Return a network with a copy of each part for each of its elements.
+    """Return a network in which each part that the task repeats for a list has one copy for each element of
+    the list.
 
     The copies follow each other, because the goal of one element's copy is the start of the next one's. The
     goal of a part may be the start of another part. Parts within a part are copied in each of its copies.
@@ -29,8 +30,8 @@ def repeated(
         situations: the file's situations, by name, with their facts.
         entries: the file's actions, by number.
         start: where the task begins.
-        parts: the parts; two of them have no situation in common, unless one is within the other; each is
-            entered at its start only.
+        parts: the parts to repeat; two of them have no situation in common, unless one is within the other;
+            each is entered at its start only.
 
     Raises:
         NotRepeated: a part iterates over a list in the surrounding part's element, and that element has no

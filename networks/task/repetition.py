@@ -51,7 +51,9 @@ def found_in(each: str, element: Element | None) -> tuple[KeyPath, Any]:
 
 @dataclass(frozen=True, eq=False)
 class Repetition:
-    """A repeated part of the network, from the situation `start` to `goal`."""
+    """A part of the task's network, from the situation `start` to `goal`, that is copied for each element of
+    a list.
+    """
 
     path: KeyPath
     """Position in the task's document."""

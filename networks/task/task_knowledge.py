@@ -27,7 +27,7 @@ UNKNOWN_START = "unknown"
 class TaskKnowledge:
     """Places and other prior knowledge from the files that a task names, except its map.
 
-    A section is the part of the world model that belongs to one domain, which is a kind of work.
+    Each domain, which is a kind of work such as opening doors, has a section of the world model.
     """
 
     places: Loaded[Places] | None

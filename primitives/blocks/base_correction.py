@@ -80,7 +80,7 @@ class FixOnce:
                 a little.
 
         Raises:
-            Discrepancy: no landmark was seen from here.
+            Discrepancy: no landmark was seen from the present pose of the base.
         """
         fixation(model)
         return np.asarray(inverse(standing(robot, model).lift()) @ goal.pose)

@@ -28,7 +28,7 @@ class DrawnStart(FileModel):
 
 
 class DrawnLandmark(LevelPose):
-    """Landmark of a drawing, with its pose on the map."""
+    """Square landmark in the drawing of a wall of blocks, with its pose on the map and its side in [mm]."""
 
     side_mm: Positive = 60.0
 
@@ -51,7 +51,7 @@ class DrawnBlock(NamedTuple):
 
     @property
     def key(self) -> tuple[str | int, ...]:
-        """Return the key path of the block in the file."""
+        """Return the path of keys to the block's position in the drawing's YAML file."""
         return "rows", self.row, "along_mm", self.column
 
     @property

@@ -222,10 +222,11 @@ def upright(fixed: Fixed, known: SuspensionModel, height: float, beside: Transfo
 
 
 def upright_sigma(fixed: Fixed, pose: Pose2) -> tuple[float, float]:
-    """Return the sigma of a pose that `upright` has corrected, for its position in [m] and heading in [rad].
+    """Return the sigma of a measured pose of the base after it was corrected for the base's tilt, for its
+    position in [m] and heading in [rad].
 
     Args:
-        fixed: fixation with the measured pose.
+        fixed: fixation (measurement at a landmark) with the measured pose.
         pose: the corrected pose.
     """
     position, heading = fixed.sigma

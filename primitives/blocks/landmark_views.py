@@ -87,7 +87,8 @@ class LandmarkViews:
     def look(self) -> Generator[None, None, None]:
         """Wait until the robot rests, take a picture, and assign all marks seen so far to landmarks again.
 
-        If the base was moved since the last picture, marks in earlier pictures are forgotten.
+        A mark is the picture of a landmark that is not yet identified. If the base was moved since the last
+        picture, marks in earlier pictures are forgotten.
         """
         robot = self._robot
         yield from settle(robot)

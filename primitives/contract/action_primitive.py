@@ -252,5 +252,7 @@ class ActionPrimitive(FileModel, ABC):
 
     @property
     def facts(self) -> Mapping[str, float | str]:
-        """Findings of this attempt, as numbers and texts by their names."""
+        """Measured or derived values of this attempt, numbers and texts by name, for the journal and the
+        summary.
+        """
         return self.evidence.facts

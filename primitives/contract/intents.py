@@ -4,10 +4,10 @@ from __future__ import annotations
 
 
 class Intents:
-    """Receiver of a primitive's announcements of effects that can't be repeated.
+    """Receiver of the announcements by which a primitive reports effects that can't be repeated.
 
-    In a run, a subclass writes them to the journal, so that after a crash it is known which effects may have
-    happened. This base class does not store them.
+    An example is the closing of the fingers. This base class ignores the announcements. In a run, a subclass
+    writes them to the journal, so that after a crash it is known which effects may have happened.
     """
 
     def intends(self, effect: str) -> None:

@@ -83,9 +83,8 @@ class FieldWork(Section):
                     yield Finding(str(self.listed_in), target.line, target.column, f"{wrong} {left}")
 
     def companion(self, robot: Robot, place: str) -> Companion | None:
-        """Return the arm's motion during a drive to a target; None if the place is not that of a target.
-
-        The arm takes a sensor and holds it over the target.
+        """Return an arm motion that takes a sensor and holds it over a target while the base drives there;
+        None if the place is not that of a target.
         """
         from .on_the_way import SensorOnTheWay
 
@@ -98,9 +97,10 @@ class FieldWork(Section):
         return (self.sensor_contact(place),) if place in self.targets else ()
 
     def sensor_contact(self, target: str) -> MeantContact:
-        """Return the intended contact of the hand with the sensor for a target.
+        """Return the intended contact of the hand with the sensor that belongs to a target.
 
-        Sensors are laid in the magazine's order.
+        Sensors are taken from the magazine in its order, so that a new target gets the magazine's next
+        sensor.
         """
         laid = [item.name for item in self.laid]
         number = laid.index(target) if target in laid else len(laid)

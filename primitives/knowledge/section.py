@@ -214,7 +214,11 @@ class Section:
         return tuple(field.name for field in fields(cls))
 
     def forget_element(self) -> None:
-        """Set the entries in `ELEMENT` to None, when a `repeat` in the task goes on to its next element."""
+        """Set all entries named in `ELEMENT` to None.
+
+        They belong to one element of a list over which the task repeats actions. Called when the task goes on
+        to the next element.
+        """
         for name in self.ELEMENT:
             setattr(self, name, None)
 

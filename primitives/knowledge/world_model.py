@@ -194,7 +194,8 @@ class WorldModel:
     def measuring(
         self, robot: Robot, place: str, report: Callable[..., None]
     ) -> Generator[None, None, bool] | None:
-        """Return a generator that measures the thing to which a place belongs; None if that is impossible.
+        """Return a generator that measures the object in front of which a place is, such as a door; None if
+        the place belongs to no object that can be measured.
 
         Args:
             robot: the robot.
@@ -263,10 +264,11 @@ class WorldModel:
 
     @classmethod
     def type_of(cls, path: str) -> Any:
-        """Return the type of the value that `lookup` will return.
+        """Return the annotated type of the value at a path in the world model, such as `cup.size`, without
+        None.
 
         Raises:
-            UnknownFact: no such entry; the message lists the known ones.
+            UnknownFact: the path names no entry of the world model.
         """
         known = cls.entry_types()
         kind: Any = None

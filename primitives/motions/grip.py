@@ -68,13 +68,14 @@ def holds(robot: Robot, width: float, most: float) -> bool:
 
 
 def width_off(robot: Robot, width: float, most: float, what: str) -> Measured:
-    """Return the difference of the fingers' opening from a width, in the form that a `Discrepancy` reports.
+    """Return the difference between the fingers' measured opening and an expected one, as reported in a
+    `Discrepancy`.
 
     Args:
         robot: robot with a gripper.
         width: expected opening, in [m].
         most: largest allowed difference, in [m].
-        what: name of the expected opening.
+        what: name of the expected opening in the report.
     """
     off = 1e3 * abs(robot.gripper.width() - width)
     return Measured("Gripper", f"opening off {what}", off, 1e3 * most, "mm")

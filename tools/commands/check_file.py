@@ -25,7 +25,8 @@ MAX_FINDING_LINES = 12  # more are grouped by kind
 
 
 class CheckOptions(NamedTuple):
-    """Options of `handcart check`."""
+    """Options of `handcart check`, as given on the command line, that select additional checks and outputs.
+    """
 
     picture: Path | None = None
     every: bool = False
@@ -125,9 +126,8 @@ def check(
 
 
 def check_quietly(file: Path) -> dict[str, Any]:
-    """Check a file without the checks that take seconds, and return its facts.
-
-    It raises the errors that `check` would report.
+    """Check a file without the checks that take seconds, and return the file's properties and findings for
+    JSON.
     """
     return file_facts(file, {}, CheckOptions(quick=True))
 

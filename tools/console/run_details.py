@@ -31,7 +31,11 @@ MOST_ACTIONS = 500
 
 
 class RunDetails:
-    """Details of a run for the console, computed from its journal while it is running or after its end."""
+    """Reader of a run's journal, which returns the actions, situation and other data that the console's page
+    shows.
+
+    The run may be running or have ended.
+    """
 
     def __init__(self, folder: Path, alive: bool) -> None:
         """Read the journal of a run.

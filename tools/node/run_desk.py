@@ -277,9 +277,10 @@ def _resumed(last: LastRun) -> Path | None:
 
 
 def service_names(tasks: Sequence[Path]) -> dict[str, Path]:
-    """Return tasks by names that are valid in ROS 2.
+    """Return task files by the names of the ROS 2 services that start them.
 
-    The name is that of the file, or of the folder for a `task.yaml`; equal names get a number appended.
+    A name is the file's name, or the folder's for a `task.yaml`, with characters that ROS 2 forbids replaced
+    by `_`; equal names get a number appended.
     """
     found: dict[str, Path] = {}
     for task in tasks:

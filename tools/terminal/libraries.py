@@ -40,10 +40,7 @@ _REQUIRED = re.compile(
 
 
 class NoLibrary(InputError):
-    """Error of a library that handcart needs, and which is missing, too old, or can't be imported.
-
-    The exit status is 2 (row K13 of docs/reference/faults.md).
-    """
+    """Error: a library that handcart needs is missing, too old, or can't be imported."""
 
     def __init__(self, wrong: Iterable[str], install: Iterable[str]) -> None:
         line = " ".join(f"'{text}'" for text in install)

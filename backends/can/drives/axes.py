@@ -106,7 +106,11 @@ class Axes(Mapping[str, Axis]):
         self._line.wait(lambda: all(axis.answered for axis in axes), _ANSWER_WITHIN * self._period)
 
     def check(self) -> None:
-        """Check all axes after a SYNC, each by an `AxisCheck`; raise `CanFault` if one is faulty."""
+        """Check the drive of each axis after a SYNC.
+
+        Raises:
+            CanFault: a drive is faulty.
+        """
         for check in self._checks:
             check.check()
 

@@ -28,7 +28,7 @@ class Pressing:
         """Return the pairs of touching links, one of the body and one of another body, between which a force
         acts.
 
-        If nothing has changed, the same object is returned as in the last call.
+        If the touching pairs are those of the last call, the same object is returned.
         """
         if data.nefc == 0:
             return _NOTHING

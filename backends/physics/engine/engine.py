@@ -25,8 +25,9 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Pinned:
-    """Rigid connection of two bodies at common points, given as (n, 3) in [m] in a frame at the centre of
-    mass of each body.
+    """Rigid connection of two bodies by points at which they are fixed to each other.
+
+    The points are given (n, 3) in [m], in a frame at the centre of mass of each body.
     """
 
     body: int
@@ -191,7 +192,8 @@ class Engine(ABC):
 
     @abstractmethod
     def pin(self, wanted: Pinned | None) -> None:
-        """Replace the current rigid connection by `wanted`; None: release it without a new one."""
+        """Replace the current rigid connection of two bodies by `wanted`; None: release it without a new one.
+        """
 
     def pin_force(self) -> FloatArray:
         """Return the force (3,) that the present rigid connection of two bodies (`pinned`) exerts on the

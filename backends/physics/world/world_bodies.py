@@ -98,8 +98,10 @@ class WorldBodies:
             self._weighed.append(made)
 
     def keep_things(self) -> None:
-        """Add bodies for new things and update the masses of all things' bodies, at the beginning of a
-        period.
+        """Add bodies for movable things that are new in the scene, and update the masses of all things'
+        bodies.
+
+        Called at the beginning of a control period.
         """
         for thing in self._scene.things():
             if thing.name not in self.things:

@@ -42,8 +42,8 @@ class HeldBase:
 
     @property
     def searches(self) -> bool:
-        """True while the pose is searched, after the scans contradicted the wheels and until a scan matches
-        the map again.
+        """True from the moment when scans contradict the wheels' travel until a scan matches the map at some
+        pose again.
         """
         return self._searched > 0
 

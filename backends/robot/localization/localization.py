@@ -245,7 +245,7 @@ class Localization(ABC):
         self._wheels.odometry.correct(pose, variance)
 
     def forget_pose(self) -> None:
-        """Give up the pose on the map; estimate it on a new local map of this scan and later ones."""
+        """Discard the pose, and estimate it on a new local map of the present scan and later ones."""
         assert self.map_field is not None
         assert isinstance(self._range_sensor, Lidar)
         self.local_map, self.lifted = LocalMap(), None

@@ -58,7 +58,9 @@ class GoalSender(Protocol):
 
 
 class ServedGoal(Protocol):
-    """Interface of an accepted goal on the side of the action's server."""
+    """Interface by which the server of a ROS action reads a goal that it has accepted, and reports the
+    result.
+    """
 
     @property
     def request(self) -> Any:

@@ -66,7 +66,7 @@ class ObjectProps(Props[ObjectsSection]):
 
     @cached_property
     def puller(self) -> Puller:
-        """Person who pulls at the held object."""
+        """Simulated person who pulls at an object in the robot's hand, as the world's file states."""
         return Puller(self.scene, self.seed, (SimulatedPull(spec) for spec in self.spec.pulls), None)
 
     @property

@@ -20,7 +20,7 @@ _STREAM = 21
 
 
 class Prediction(NamedTuple):
-    """Predicted probability of success and mean time of a trial."""
+    """Probability of success and mean duration, in [s], that are predicted for a trial."""
 
     success: float
     time_s: float

@@ -58,14 +58,18 @@ class TrialTable:
         return column
 
     def differing(self) -> list[str]:
-        """Return the names of columns whose values differ: general metrics first, then others by name."""
+        """Return the names of the columns whose values differ between trials.
+
+        Metrics that all trials have come first, then the other columns by name.
+        """
         names = [*OF_ALL, *sorted(self.columns.keys() - set(OF_ALL))]
         return [name for name in names if not constant(self.columns[name])]
 
     def listed(self) -> tuple[list[str], list[TrialRow], int]:
         """Return columns and rows of the page's list of trials, and the number of trials that it omits.
 
-        To keep the page small, the least informative trials and columns of a large campaign are omitted.
+        To keep the page of a large campaign small, it omits successful trials with a true outcome first, and
+        columns of metrics that not all trials have.
         """
         chosen = self._chosen()
         names = list(OF_ALL)

@@ -64,8 +64,9 @@ def holm(p_values: Mapping[str, float], weights: Mapping[str, float]) -> dict[st
 
 
 def weights_of(first: str, others: list[str]) -> dict[str, float]:
-    """Return the weights of tests: `FIRST_SHARE` for the first one, equal shares of the rest for the
-    others.
+    """Return the weight of each statistical test in a family of tests, by its name.
+
+    The first test has the weight `FIRST_SHARE`; the others share the rest equally.
     """
     rest = (1.0 - FIRST_SHARE) / max(1, len(others))
     return {first: FIRST_SHARE, **dict.fromkeys(others, rest)}

@@ -72,7 +72,7 @@ class Walker:
 
     @property
     def start(self) -> int:
-        """Number of the state, in the table of states, in which each random walk starts.
+        """Number of the state in which each random walk starts, in the table of a run's states.
 
         It is `GOAL` or `NO_WAY` if no walk is possible.
         """

@@ -17,7 +17,10 @@ from .rehearsal import DRIVE_MAP, EXPLORE_TASK, LOCATE_TASK
 
 
 def declared() -> dict[Path, Mapping[str, str]]:
-    """Return the task files for the conformance kit, those of domains and driving tasks, with settings."""
+    """Return the task files that the conformance kit runs, each with its settings by parameter.
+
+    They are the tasks that each domain (a kind of work) names for the kit, and three driving tasks.
+    """
     every = {path: settings for domain in domains() for path, settings in domain.rehearsals.items()}
     return {**every, DRIVE_MAP: {}, LOCATE_TASK: {}, EXPLORE_TASK: {}}
 
@@ -40,9 +43,10 @@ def repertoire(robot: str, settings: Mapping[str, str], backend: str) -> tuple[P
 
 
 def left_out(robot: str, settings: Mapping[str, str], backend: str) -> dict[Path, tuple[str, ...]]:
-    """Return the tasks that a robot could do if the backend simulated their worlds.
+    """Return the tasks that suit a robot but not the backend, with the keys of the tasks' world files that
+    the backend does not simulate.
 
-    Each has the keys of its world's file that the backend does not simulate. `repertoire` omits these tasks.
+    `repertoire` omits these tasks.
     """
     found = {path: lacking(path, backend) for path in _fitting(robot, settings, backend)}
     return {path: keys for path, keys in found.items() if keys}

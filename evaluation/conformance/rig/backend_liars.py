@@ -226,7 +226,7 @@ class DropsScans(LayeredBackend):
         self._number = 0
 
     def step(self) -> None:
-        """Step, and count the periods to decide in which of them a new scan is taken."""
+        """Step the backend by one period, and in every fifth period allow a new scan."""
         self.inner.step()
         self._number += 1
         if self._number % KEPT_SCAN_PERIOD == 0:

@@ -11,10 +11,11 @@ WINDOW_S = 30.0  # within which roll and pitch of a vehicle return to their mean
 
 
 def without_tilt_drift(log: DriveLog) -> DriveLog:
-    """Subtract the bias of the x and y gyros, estimated as their moving average over half a minute.
+    """Return a log in which the bias is subtracted from the rates of the x and y gyros.
 
-    Odometry estimates gyro biases only at a standstill; for a vehicle that never stops, the computed roll and
-    pitch would drift without limit. No vehicle keeps rolling to one side, so the average is the bias.
+    The bias is estimated as the moving average of the rates over half a minute. Odometry estimates gyro
+    biases only at a standstill; for a vehicle that never stops, the computed roll and pitch would drift
+    without limit. No vehicle keeps rolling to one side, so the average is the bias.
     """
     rates = log.rates.copy()
     for axis in (0, 1):

@@ -93,8 +93,5 @@ class LogHeader(FileModel):
 
     @property
     def quantities(self) -> dict[str, tuple[str, ...]]:
-        """Quantities that a column of the log may have, each with its allowed kinds of unit.
-
-        They include the range to each beacon.
-        """
+        """Names of the quantities that a column of the log may hold, each with its allowed kinds of unit."""
         return dict.fromkeys(self.range_columns, ("length",)) | COLUMN_QUANTITIES

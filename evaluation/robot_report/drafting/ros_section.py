@@ -33,9 +33,10 @@ CONTROLLER_KINDS = ("trajectory_msgs/JointTrajectory", "std_msgs/Float64MultiArr
 
 
 def chosen(key: str, topics: Sequence[str]) -> tuple[str, tuple[str, ...]]:
-    """Return the topic whose name fits a key of the section `ros2` best, and the other topics.
+    """Return the topic whose name contains the most words typical of a key in the section `ros2`, and the
+    other topics.
 
-    Without topics, return "" and an empty tuple.
+    Words typical of other topics count against a name. Without topics, return "" and an empty tuple.
     """
     if not topics:
         return "", ()

@@ -15,7 +15,8 @@ BOX_MARGIN_PX = 10.0  # around the outermost boxes
 
 
 class NetworkWindow:
-    """Drawing of a task's network of actions with their outcomes, of which small sections are shown."""
+    """Drawing of a task's network of actions and outcomes; a view shows the part around the present action.
+    """
 
     def __init__(self, network: ActionNetwork, actions: Sequence[PastAction]) -> None:
         self._picture = draw_network(network, [(action.index, action.outcome) for action in actions])

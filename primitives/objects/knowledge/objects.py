@@ -155,12 +155,11 @@ class Objects(Section):
     def measuring(
         self, robot: Robot, model: MovedKnowledge, place: str, report: Callable[..., None]
     ) -> Generator[None, None, bool] | None:
-        """Return a generator that measures the surface of a place by lidar; the place moves with the surface.
+        """Return a generator that measures, by lidar, the surface in front of which a place is.
 
-        The generator's result is True if the surface was seen.
-
-        None if the place was not computed as a pose of the base before a surface, or if the surface is fixed,
-        was measured before or cannot be seen by the lidar.
+        The generator moves the place with the surface, and returns True if the surface was seen. The result
+        is None if the place was not computed from a surface, or if the surface is fixed, was measured before
+        or cannot be seen by the lidar.
         """
         surface = self.objects.surfaces.get(place)
         measured = any(pose.surface == place for pose in self.surface_poses)

@@ -17,7 +17,8 @@ NEIGHBOUR_KERNEL = np.ones((3, 3), np.uint8)
 
 
 def with_driven(grid: GridMap, poses: Sequence[Pose2], radius: float) -> GridMap:
-    """Return a map on which unknown cells near the poses of a robot are free.
+    """Return a copy of a map, with unknown cells set free within a radius of poses that a robot has driven
+    through.
 
     Args:
         grid: the map.

@@ -127,12 +127,12 @@ def matched_motion(reference: Surface, surface: Surface, moved: Pose2) -> LineMa
 
 
 def submap(keyframes: Sequence[Keyframe], poses: Sequence[Pose2], frame: Pose2) -> Surface:
-    """Return the surfaces of all given keyframes together, in the frame of a pose.
+    """Return the surfaces that the scans of all given keyframes show, merged and converted to one frame.
 
     Args:
         keyframes: the keyframes.
         poses: pose of each keyframe, in any one frame.
-        frame: the pose, given like `poses`, in whose frame the surfaces are returned.
+        frame: pose of the returned surfaces' frame, in the same frame as `poses`.
     """
     return merge_surfaces(
         [

@@ -26,7 +26,9 @@ APART_RAD = math.radians(8.0)
 
 
 class Hypothesis(NamedTuple):
-    """Candidate of a search, a pose with the score of how well points fit a surface at it."""
+    """Candidate pose found by a search, with the score of how well scan points at this pose fit the mapped
+    surfaces.
+    """
 
     pose: Pose2
     score: float

@@ -29,7 +29,7 @@ class RoomSpeeds(NamedTuple):
     other: AllowedSpeeds | None = None
 
     def at(self, points: FloatArray, top: float) -> FloatArray:
-        """Return the speed limits (n,) at points, in [m/s].
+        """Return the speed limits (n,) at points on a map, in [m/s], lower where obstacles are near.
 
         Args:
             points: (n, 2) on the map, in [m].

@@ -106,8 +106,10 @@ class ScanLayer:
         return bool(old.any())
 
     def cells(self) -> FloatArray:
-        """Return the cells with a score above 0, (n, 4): x, y on the map in [m], score, time of the last hit
-        in [s].
+        """Return the cells that obstacles may occupy, (n, 4): x, y on the map in [m], score, time of the last
+        hit in [s].
+
+        The score, above 0, rises with beams that end in the cell and falls with beams that pass through it.
         """
         found = np.argwhere(self._scores > 0)
         rows, columns = found.T

@@ -129,7 +129,7 @@ class FieldKalman:
         return now
 
     def set_origin(self) -> None:
-        """Set this moment as the origin of `relative_pose`."""
+        """Set the present pose as the origin from which `relative_pose` is measured."""
         self._note(FilterRequest.ORIGIN)
         self._origin = WatchedMoment.of(self.belief, states=3)
 

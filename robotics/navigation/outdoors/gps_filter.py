@@ -107,7 +107,7 @@ class GpsFilter(FieldLocalizer):
 
     @property
     def best(self) -> FieldKalman:
-        """Kalman filter of the most likely hypothesis."""
+        """Kalman filter of the hypothesis about the base's pose that has the largest weight."""
         return self.filters[int(np.argmax(self._weights))]
 
     @property

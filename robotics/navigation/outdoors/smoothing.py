@@ -54,8 +54,8 @@ class TrackRecord:
         self._starts = 0
 
     def start(self) -> None:
-        """Record that the filter starts or restarts, after which readings do not change earlier moments any
-        more.
+        """Record that the filter starts or restarts; later readings do not change the states that are
+        smoothed for moments before it.
         """
         if self._starts:
             self._over.append(self._smoothed())
@@ -105,7 +105,11 @@ class TrackRecord:
         return Entries(self._starts, len(self._links), self._latest)
 
     def rewind(self, entries: Entries) -> None:
-        """Reset the record to an earlier size; the filter must not have restarted since then."""
+        """Reset the record to the size that it had at an earlier moment, given by `entries`.
+
+        Raises:
+            ValueError: the filter has restarted since that moment.
+        """
         if entries.starts != self._starts:
             raise ValueError("a record can't be rewound to before the filter's restart")
         self._links, self._latest = self._links[: entries.links], entries.latest

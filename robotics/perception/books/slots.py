@@ -115,7 +115,7 @@ class OffsetView(NamedTuple):
         return self.view.strips.at(y - self.offset)
 
     def shows(self, interval: Gap) -> bool:
-        """Return True if most of the interval is visible, both ends included."""
+        """Return True if the camera saw most of a free slot between books, both ends included."""
         ends = np.array([interval.left + 0.001, interval.right - 0.001])
         if ends[0] > self.view.left + self.offset or ends[1] < self.view.right + self.offset:
             return False
