@@ -51,7 +51,8 @@ class Command(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Domain:
-    """Declaration of a domain with all its parts, such as primitives and file formats.
+    """Declaration of a domain, which is a kind of work such as handling books, with its primitives, file
+    formats and other parts.
 
     Each part is given by an import path "module:name", so that it is imported only when needed.
     """

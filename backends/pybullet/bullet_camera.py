@@ -18,7 +18,7 @@ _TO_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
 
 
 class BulletCamera(EngineCamera):
-    """Simulated camera whose pictures are rendered by Bullet; see `EngineCamera`.
+    """Simulated camera whose pictures are rendered by the physics engine Bullet.
 
     Bullet uses its EGL plug-in if available, otherwise TinyRenderer.
     """

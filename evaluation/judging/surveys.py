@@ -121,7 +121,9 @@ class Surveys:
             pass
 
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
-        """Return a message for each false claim of the ended action's outcome."""
+        """Compare the outcome of an action that has ended with the ground truth, and return a message for
+        each difference.
+        """
         after = self.run.robot.backend.ground_truth()
         wrong: list[str] = []
         if self._before is not None and after is not None:
@@ -161,7 +163,10 @@ class Surveys:
         return wrong + [item for _, untrue in checks for item in untrue]
 
     def notes(self) -> dict[str, Any]:
-        """Return each survey's observations by its name, with which an interrupted run can be continued."""
+        """Return the observations of each survey (observer that evaluates the run), by the survey's name.
+
+        An interrupted run can be continued with them.
+        """
         noting = [survey_ for survey_ in self._every if survey_.noted is not None]
         return {survey.name: notes for survey, notes in self._asked(lambda item: item.notes(), among=noting)}
 
@@ -197,7 +202,8 @@ class Surveys:
         return ["; ".join(faults) for faults in by_survey if faults]
 
     def report(self, prepared: Prepared, folder: Path) -> None:
-        """Write the reports of all surveys into the folder of a run that has ended.
+        """Write the reports of all surveys (observers that evaluated a run) into the folder of the run, after
+        its end.
 
         Raises:
             OSError: writing failed, for example because the disk is full.

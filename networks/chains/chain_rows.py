@@ -93,7 +93,7 @@ class ChainRows:
 
     @property
     def has_skips(self) -> bool:
-        """True if a run may leave an element of a repeat undone."""
+        """True if a run may leave out actions for an element of a list over which the task repeats them."""
         return bool(len(self.skips.row) or len(self.skipped_to_goal))
 
     def _add(self, row: int, step: Step) -> None:

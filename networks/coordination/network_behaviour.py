@@ -79,7 +79,7 @@ class NetworkBehaviour(Behaviour):
             self._robot.stop()
 
     def shutdown(self) -> None:
-        """Stop the run and the robot when the tree is shut down."""
+        """Stop the run and the robot when the behaviour tree that contains this behaviour is shut down."""
         if self._run is not None:
             self._run.close()
             self._robot.stop()

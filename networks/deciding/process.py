@@ -116,7 +116,7 @@ class Process:
         ]
 
     def step(self, state: State, action: Action) -> Step:
-        """Return the step of a policy that does an action in a state, with the states that may follow."""
+        """Return an action, done in a state of a run, with the states to which its results lead."""
         fails = state.fails
         succeeded = self.after.successes(action, fails)
         chance = None if action.binding is None else self.chances[action.index]

@@ -67,7 +67,7 @@ class StateTable:
 
     @property
     def low(self) -> FloatArray:
-        """(states,) lower bounds of the least expected cost, in [s]."""
+        """(states,) lower bound of the least expected cost from each state to the end of the run, in [s]."""
         return self._low.all
 
     @property

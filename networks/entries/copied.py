@@ -26,7 +26,11 @@ class Element:
     """Element of the surrounding part; None for an element of an outermost part."""
 
     def chain(self) -> list[Element]:
-        """Return this element and the elements of the repeated parts around it, the outermost first."""
+        """Return this element of a list over which the task repeats actions, after the elements of
+        surrounding lists.
+
+        The outermost list's element comes first.
+        """
         return [*(self.around.chain() if self.around else ()), self]
 
 

@@ -43,7 +43,7 @@ class FactSpace:
 
     @cached_property
     def number(self) -> dict[str, int]:
-        """Number of each fact in the order of `values`, by its name."""
+        """Index of each fact among all facts of the task, physical facts first, by the fact's name."""
         return {name: number for number, name in enumerate(self.values)}
 
     @cached_property

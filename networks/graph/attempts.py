@@ -50,7 +50,11 @@ class Attempts(NamedTuple):
         return count + 1 if fails < last else count
 
     def used_up(self, count: int) -> int:
-        """Return a run's count (of Fails and renewals) after a Fail that uses up all attempts at once."""
+        """Return the count of Fails and renewals of a run after a Fail that uses up all attempts at once.
+
+        Args:
+            count: count before this Fail, `renewals * width + fails`.
+        """
         return count - count % self.width + self.most
 
     def renewed(self, count: int) -> int:

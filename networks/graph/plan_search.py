@@ -18,7 +18,7 @@ _SLACK = 1e-9
 
 
 class Segment(NamedTuple):
-    """First actions of a plan, up to the goal or a situation in which the search has to begin again."""
+    """First actions of a plan, up to the goal or to a situation from which a new search plans the rest."""
 
     actions: tuple[Action, ...]
     end: str

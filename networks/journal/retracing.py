@@ -64,10 +64,10 @@ class RunPosition:
     """Snapshots of the robot in earlier situations of the run, the last one at the end."""
 
     def followed(self, records: Sequence[Record]) -> RunPosition:
-        """Update this position by further records, and return it.
+        """Update this state of a run by further records of its journal, and return it.
 
         Args:
-            records: records of the run's journal, in order.
+            records: the further records, in order.
 
         Raises:
             NeedsOperator: a record does not fit the task's network.

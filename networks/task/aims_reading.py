@@ -62,7 +62,10 @@ def in_order(network: Copies, goals: Sequence[str]) -> tuple[Copies, str]:
 
 
 def goal_copies(network: Copies, name: str) -> tuple[str, ...]:
-    """Return the names of all copies in the network of a situation of the file."""
+    """Return the names of all situations in the network that are copies of one situation of the task's file.
+
+    A task that repeats actions for each element of a list has a copy for each element.
+    """
     return tuple(copy for copy, (called, _) in network.situations.items() if called == name)
 
 

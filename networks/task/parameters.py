@@ -54,7 +54,10 @@ def with_listed_repeats(document: Document) -> Document:
 
 
 def with_all(document: Document, entry: str, names: Collection[object]) -> Document:
-    """Return the document with `names` in place of `{all: ENTRY}` in its repeats."""
+    """Return a task's document in which each key `repeat` for `{all: ENTRY}` gets the list `names` instead.
+
+    ENTRY is an entry of the world model, such as `places`; only references to `entry` are replaced.
+    """
     for over in _overs(document):
         node, there = document.root.deepest(over)
         if there and reference(node, "all") == entry:

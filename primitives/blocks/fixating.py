@@ -174,7 +174,8 @@ def fixate(
 
 
 def fixed_by(robot: Robot, name: str, place: str, planned: Pose2, found: Fixation) -> Fixed:
-    """Return the base's pose as measured by a fixation, in the form that the world model keeps.
+    """Convert a fixation, which has measured the base's pose at a landmark, to the form that the world model
+    keeps.
 
     Args:
         robot: robot that has made the fixation, still in the same posture.

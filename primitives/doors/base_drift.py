@@ -43,7 +43,9 @@ class BaseDrift:
         self._reference, self._began = np.asarray(np.mean(ranges, axis=0)), self._robot.time
 
     def add(self, point: FloatArray) -> None:
-        """Record a point (3,), measured now in the base frame, in [m]."""
+        """Record a point (3,), which was measured now in the base frame, in [m], to be corrected for the
+        base's drift later.
+        """
         self._points.append(point)
         self._times.append(self._robot.time - self._began)
         if self._lidar is not None:

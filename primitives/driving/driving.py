@@ -161,7 +161,8 @@ def make_monitor(robot: Robot, model: ModelView) -> ObstacleMonitor | FieldObsta
 
 
 class FieldObstacleMonitor:
-    """Monitor of a car's path for any obstacle, known or not, because outdoor maps are inexact."""
+    """Monitor that watches a car's path for obstacles, on the map or not, because outdoor maps are inexact.
+    """
 
     def __init__(self, radius: float) -> None:
         """Watch for a footprint of `radius`, in [m]."""

@@ -114,15 +114,15 @@ def compiled_for(arguments: Arguments) -> Callable[[Function], Function]:
 
 
 def compile_early(kernel: Callable[..., Any], arguments: Arguments, module: str) -> None:
-    """Declare argument types with which another process may compile a function early.
+    """Declare argument types with which another process may compile a function before its first call.
 
-    The other process compiles the function only if `module` has been imported. `module` differs from the
-    function's own module if only some users of the latter call the function.
+    The other process compiles the function only if `module` has been imported. This module may differ from
+    the one that contains the function, so that programs that never call the function do not compile it.
 
     Args:
         kernel: the compiled function.
         arguments: argument types as for `compiled_for`.
-        module: name of the module that needs the function.
+        module: name of the module that calls the function.
     """
     COMPILED_AHEAD.setdefault(module, []).append((cast(Kernel, kernel), arguments))
 

@@ -255,8 +255,10 @@ class OpenCampaign:
         return len(self.log) if self._counted is None else self._counted.count
 
     def report(self) -> CampaignReport:
-        """Return the report on all trials; if a claim is tested, only on the trials up to the one that
-        settled it.
+        """Return the report on the campaign's trials.
+
+        If the campaign tests a claim about the success rate, the report covers only the trials up to the one
+        after which the claim was accepted or rejected.
         """
         holds = None if self.settling is None else self.settling.verdict
         if self._counted is not None:

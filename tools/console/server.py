@@ -35,7 +35,7 @@ class NoConsole(InputError):
 
 
 class Server:
-    """Web server of the console; the runs do not depend on it."""
+    """Web server of the console, a page from which runs are watched and operated; runs go on without it."""
 
     def __init__(self, runs: Path, host: str | None, port: int | None) -> None:
         """Bind the port.

@@ -144,8 +144,9 @@ class RunDesk:
         return self._started(command, START_TIMEOUT_S, self._alive, f"{name} runs in")
 
     def acknowledge(self) -> Answer:
-        """Acknowledge the record of the last run that waits for a person, if its reason was published so
-        long ago that the caller can have read it.
+        """Acknowledge the record of the last run's journal that waits for a person.
+
+        This is refused if the reason why it waits was published too recently for the caller to have read it.
         """
         last, since = self._read
         if last is None or last.waits is None:

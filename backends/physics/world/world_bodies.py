@@ -126,7 +126,12 @@ class WorldBodies:
 
     @made.setter
     def made(self, wanted: Sequence[tuple[int, int] | str]) -> None:
-        """Create the bodies of a saved run that are missing, in the order of that run.
+        """Create those bodies that a saved run added after its start and that are missing here, in the saved
+        order.
+
+        Args:
+            wanted: all added bodies of the saved run, in order: a tile of rough ground by its indices, a
+                thing by its name.
 
         Raises:
             NotAState: the existing bodies are not the first bodies of the saved run, or a body cannot be

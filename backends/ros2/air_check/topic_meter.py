@@ -9,7 +9,9 @@ import numpy as np
 
 
 class MeasuredTopic(NamedTuple):
-    """Measured rate, gaps, ages and frames of a topic's messages."""
+    """Rate and longest gap of a topic's messages, age of their stamps at arrival, and frames in their
+    headers.
+    """
 
     topic: str
     kind: str

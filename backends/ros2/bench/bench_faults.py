@@ -104,7 +104,8 @@ class BenchFaults:
         """Return the messages that are sent instead of a driver's message, because of the planned faults of
         its topic.
 
-        Faults whose time has come are applied; without one the list holds the message itself.
+        Planned faults that have begun by `now_s` are applied; without a fault the list holds the message
+        itself.
 
         Args:
             topic: name of the topic.

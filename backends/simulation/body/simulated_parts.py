@@ -226,11 +226,12 @@ class ArmError:
         self._of_hand = max(errors.hand_systematic_mm, errors.hand_repeat_mm, errors.hand_uniform_mm) > 0.0
 
     def offset(self, joints: FloatArray, motion: int) -> FloatArray:
-        """Return the true joint positions (n,) minus the encoders' readings, in [rad] or [m].
+        """Return the error of the arm, which is true joint positions (n,) minus encoders' readings, in [rad]
+        or [m].
 
         Args:
             joints: (n,) commanded joints, in [rad] or [m].
-            motion: number of the arm's motion.
+            motion: number of the arm's motion, for which a random part of the error is drawn.
         """
         _, offset, wrong = self._draw(motion, len(joints))
         if not self._of_hand:

@@ -85,7 +85,9 @@ class Surprise(Furniture):
 
 
 class TableSpec(FloorPose):
-    """A table, made of a slab on a pedestal; its pose is that of the slab's middle, on the floor."""
+    """A table, made of a slab on a pedestal; its pose is that of the point on the floor below the slab's
+    middle.
+    """
 
     name: Name
     size_m: tuple[Length, Length, Length]

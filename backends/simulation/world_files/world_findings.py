@@ -58,7 +58,9 @@ def world_findings(
 
 
 def solids_of(world: WorldFile) -> list[Solid]:
-    """Return all solids in a world, including those of application domains and surprises."""
+    """Return all solids in a world, including those of application domains and surprises (obstacles that no
+    map shows).
+    """
     kinds = kinds_of_props().values()
     solids = room_of(world)
     return solids + [

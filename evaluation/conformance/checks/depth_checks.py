@@ -17,7 +17,7 @@ POSE_TOLERANCE = 0.02
 
 
 def depth(bench: KitBench, finding: CheckResult) -> None:
-    """Check that depth pictures have the size and range of the robot's file, and the right pose and time."""
+    """Check size, depths, focal length, pose and rate of a depth camera's pictures by the robot's file."""
     with bench.rig() as rig:
         camera, spec = needed(rig.backend, DepthCamera), rig.robot.spec.first(DepthCameraSpec)
         assert spec is not None, "the check of capabilities reports it"

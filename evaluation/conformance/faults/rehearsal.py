@@ -92,7 +92,10 @@ class Solo:
     seed: int = 0
 
     def attempts(self) -> Iterator[tuple[int, str, Underway]]:
-        """Yield 0, the primitive's name, and an attempt of the primitive that has not started yet."""
+        """Set up a robot in a new world, and yield one attempt of the primitive, which has not started yet.
+
+        It is yielded with the attempt's index, which is 0, and the primitive's name.
+        """
         with self.bench.rig(self.seed) as rig:
             faulty = FaultyBackend(rig.backend)
             robot = self.bench.around(rig, faulty).robot

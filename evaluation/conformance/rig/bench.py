@@ -51,7 +51,7 @@ class KitBench:
 
 
 def liar_around(name: str, backend: Backend, spec: RobotFile) -> Backend:
-    """Wrap a backend in the mutant (deliberately faulty) backend of a name, and return the wrapper."""
+    """Wrap a backend in the mutant (deliberately faulty) backend called `name`, and return the wrapper."""
     from .backend_liars import BACKEND_LIARS
 
     return BACKEND_LIARS[name](backend, spec)

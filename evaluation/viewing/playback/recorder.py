@@ -110,7 +110,9 @@ class PlaybackRecorder(RunObserver):
         self._folder = None
 
     def figures(self, end: RunEnd) -> Mapping[str, Any]:
-        """Return the reason why the recording is incomplete; empty if it is complete."""
+        """Return the run's summary entry `playback_lost`, the reason why the recording is incomplete; empty
+        if it is complete.
+        """
         return {} if self.lost is None else {"playback_lost": self.lost}
 
     # One row

@@ -196,7 +196,9 @@ def contradiction(
 
 
 def describe(found: Standing) -> str:
-    """Return in words which kinds a seen thing may be of, or its size."""
+    """Return a text with the kinds of object that could explain a thing seen in depth pictures, or with its
+    size if none can.
+    """
     if found.may_be:
         return " or ".join(dict.fromkeys(_in_words(candidate) for candidate in found.may_be))
     x, y = 1e3 * np.ptp(found.cluster.points[:, :2], axis=0)

@@ -61,7 +61,7 @@ class ObjectLook:
     views: int = 0
 
     def of(self, name: str) -> list[ReadTag]:
-        """Return the readings of an object's tags."""
+        """Return those tags read in this look that belong to the object named `name`."""
         return [read for read in self.reads if read.object == name]
 
     def others(self, name: str) -> str:

@@ -65,7 +65,7 @@ class PitchArm(NamedTuple):
         return pitch_arm_joints(self._stands(np.atleast_2d(base))[0], self.marks(path), self._figures())
 
     def shoulders(self, bases: FloatArray) -> FloatArray:
-        """Return the positions of the yaw axis in the world.
+        """Return the positions of the arm's vertical yaw axis in the world.
 
         Args:
             bases: (b, 3) world_T_base: x, y in [m], heading in [rad].

@@ -15,7 +15,9 @@ CHECK_STEP_M = 0.005  # [m] between postures that are looked at before a line is
 
 
 class RateLimits(NamedTuple):
-    """Limits of the tip's speed and acceleration and of the joints' rates, for `ResolvedRate`."""
+    """Limits of the tip's speed and acceleration and of the joints' rates, for moving the tip along a
+    straight line.
+    """
 
     speed: float = 0.2
     """Maximum speed of the tip, in [m/s]."""

@@ -31,7 +31,8 @@ class ScrewChain(NamedTuple):
 
     @classmethod
     def of_arm(cls, arm: ArmModel) -> ScrewChain:
-        """Return the chain of an arm, computed from its Jacobian and the tip's pose with all joints at zero.
+        """Return the joint axes and zero pose of an arm, computed from its Jacobian and the tip's pose with
+        all joints at zero.
 
         Raises:
             ValueError: a joint of the arm slides.

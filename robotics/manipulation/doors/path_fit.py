@@ -100,9 +100,10 @@ class PathFit(NamedTuple):
         return self.turned(point) / self.curvature
 
     def tangent(self, point: FloatArray) -> FloatArray:
-        """Return the unit vector (3,) along the path where it is nearest to a point (3,) in [m].
+        """Return the unit vector (3,) along the fitted path at its nearest point to a given point (3,) in
+        [m].
 
-        Both are in the frame of the fitted points.
+        Both are in the frame of the points to which the path was fitted.
         """
         heading = float(self.state[HEADING]) + self.turned(point)
         level = np.array([math.cos(heading), math.sin(heading)])

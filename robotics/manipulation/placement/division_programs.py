@@ -154,13 +154,15 @@ def segment_score(values: SingleArray, steps: FloatArray, placement: int, first:
 
 @compiled
 def run_end(usable: BoolArray, joined: BoolArray, first: int, placement: int) -> int:
-    """Return the index of the last point that a placement reaches without interruption from the point `first`
-    on.
+    """Return the index of the last point up to which the arm can follow a path, from the point `first` on,
+    without a gap or a jump.
+
+    The base stays at one pose, its placement.
 
     Args:
-        usable: (p, b) True where a placement reaches a point.
+        usable: (p, b) True where the arm reaches a point from a placement.
         joined: (p-1, b) True where the arm does not jump in a step; empty: it jumps in none.
-        first: index of the point where the run begins.
+        first: index of the point to start from.
         placement: column of the placement.
     """
     if not usable[first, placement]:

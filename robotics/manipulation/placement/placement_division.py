@@ -158,12 +158,13 @@ def _division(placements: IntArray, scores: PlacementScores, lengths: FloatArray
 
 
 def score_segments(segments: Sequence[PathSegment], values: SingleArray, steps: FloatArray) -> Division:
-    """Return the division into the given segments, with the integral of the score along them, in [m].
+    """Return a path divided into the given segments, each with its base pose, and the integral of the score
+    along them, in [m].
 
     Args:
         segments: parts of the path, in order.
-        values: (p, b) scores of points from placements, from 0 to 1.
-        steps: (p-1,) lengths of the steps, in [m].
+        values: (p, b) scores, from 0 to 1, of each point of the path from each base pose (placement).
+        steps: (p-1,) distances of neighbouring points of the path, in [m].
     """
     score = sum(segment_score(values, steps, *segment) for segment in segments)
     return Division(tuple(segments), float(score))

@@ -22,7 +22,8 @@ NO_STANDS = np.empty((0, 2))
 
 
 class HoldingObstacle(NamedTuple):
-    """Obstacle because of which a robot must not move on, with its position and the missing distance."""
+    """Obstacle that prevents a robot from moving on, with its position, its distance and the distance needed.
+    """
 
     shown_by: Literal["map", "scan", "contact", "unseen"]
     """Source of the obstacle; contact: the base ran into it; unseen: the lidar does not see the ground

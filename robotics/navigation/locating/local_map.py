@@ -75,7 +75,7 @@ class LocalMap:
 
     @property
     def echoes(self) -> FloatArray:
-        """Echoes (n, 2) of all scans, in the local frame, in [m]."""
+        """Points (n, 2) at which beams of all scans hit something, in the local frame, in [m]."""
         return np.vstack([np.empty((0, 2)), *(view.echoes for view in self._views)])
 
     @classmethod

@@ -45,7 +45,7 @@ def candidates(
     view: float = VIEW_M,
     most: int = MAX_CANDIDATES,
 ) -> list[Candidate]:
-    """Return the earlier keyframes at whose place a keyframe may be, nearest first.
+    """Return the earlier keyframes whose place a later keyframe may have come back to, nearest first.
 
     If successive keyframes are near enough, only the nearest of them is returned. At least `MIN_TRAVEL_M` of
     way lie between an earlier keyframe and the later one.
@@ -54,7 +54,7 @@ def candidates(
         poses: (n, 3) map_T_base of the keyframes: x, y in [m], heading in [rad].
         travel: (n,) length of the way up to each keyframe, in [m].
         second: number of the later keyframe.
-        sigmas: (n,) standard deviation of its position relative to each keyframe, in [m].
+        sigmas: (n,) standard deviation of the later keyframe's position relative to each keyframe, in [m].
         view: distance at which two keyframes see the same place, in [m].
         most: maximum number of candidates.
     """

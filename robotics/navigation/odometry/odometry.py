@@ -244,7 +244,14 @@ class Odometry:
         return self._errors
 
     def sideways_turn_variance(self, sideways: float) -> float:
-        """Return the heading's variance, in [rad²], by slip on the sideways travel `sideways`, in [m]."""
+        """Return the variance of the heading, in [rad²], that is caused by slip while the base drives
+        sideways.
+
+        It is 0 here; odometry of bases that drive sideways overrides the method.
+
+        Args:
+            sideways: sideways travel, in [m].
+        """
         return 0.0
 
     def turn_variance(self, left: float, right: float, sideways: float = 0.0) -> float:

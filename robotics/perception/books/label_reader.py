@@ -68,7 +68,7 @@ class LabelReader(ABC):
 
     @abstractmethod
     def read_crops(self, crops: Sequence[ByteArray]) -> list[LabelReading]:
-        """Return one reading for each crop.
+        """Return the text read on each crop (a cut-out picture of a label), with its confidence.
 
         Args:
             crops: upright pictures (crop_height_px, w), grey, with text running left to right.

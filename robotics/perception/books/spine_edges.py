@@ -107,7 +107,11 @@ class SpineEdge(NamedTuple):
 
 
 def strips_of(view: FlatView) -> Strips:
-    """Return a flat view as horizontal strips, each the average of rows over a few millimetres."""
+    """Divide a view of the shelf's front into horizontal strips, each the average of rows over a few
+    millimetres.
+
+    The view is flat, which means without perspective.
+    """
     count = view.picture.shape[0] // _STRIP_ROWS
     shape = (count, _STRIP_ROWS, view.picture.shape[1])
     rows = slice(0, count * _STRIP_ROWS)

@@ -51,14 +51,17 @@ Its arguments are the kind of all n marks and their base_T_mark.
 
 
 class BasePrior(NamedTuple):
-    """Expected pose of the base before the first picture, with its accuracy."""
+    """Expected pose of the base before a measurement by landmarks, with its accuracy, in the frame of the
+    planned base.
+    """
 
     planned_T_base: Pose2
     covariance: FloatArray
     """(3, 3) of x, y in the planned base frame in [m] and heading in [rad]."""
 
     def log_density(self, planned_T_base: Pose2) -> float:
-        """Return the logarithm of the prior's density at a pose of the base.
+        """Return the logarithm of the probability density that was expected, before the measurement, for a
+        pose of the base.
 
         The density includes a small probability that people have moved the base.
         """
