@@ -31,7 +31,9 @@ MIN_STOP_GAIN = 0.3  # scores of blocks that one more stop has to gain
 
 
 class NamedStop(NamedTuple):
-    """Place at which the base stops to fetch or lay blocks, with scores of how well the arm reaches them."""
+    """Place at which the base stops to fetch or lay blocks, with scores of how well the arm reaches the
+    blocks.
+    """
 
     name: str
     pose: Pose2

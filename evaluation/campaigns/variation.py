@@ -156,7 +156,7 @@ class Variation(FileModel):
         """Return the values to replace in the files of a task, by file and key.
 
         Args:
-            row: varied numbers of a trial, as `row` returns them.
+            row: values of the varied numbers in a trial, by the numbers' names.
             task: the task.
         """
         changed: dict[Path, dict[KeyPath, float]] = {}

@@ -62,7 +62,8 @@ class Judge(RunObserver):
                 self._notes.add(self._run.world.time, note)
 
     def go_on(self) -> None:
-        """Load false outcomes and the surveys' observations that the run noted before it was interrupted.
+        """Load the false outcomes and observations that the surveys (observers that evaluate a run) noted
+        before the run was interrupted.
 
         Raises:
             NotAState: the notes are damaged or have another format.

@@ -95,7 +95,7 @@ class PlacesBlindly(PlaceObject):
 
 
 class LetsGoUnasked(HandOver):
-    """Faulty HAND_OVER that opens the fingers although no person pulls at the object."""
+    """Mutant of the primitive HAND_OVER that opens the fingers although no person pulls at the object."""
 
     @override
     @classmethod

@@ -28,7 +28,9 @@ class Knob(NamedTuple):
 
 
 class Fitted(NamedTuple):
-    """Noise of a vehicle that fits a log best, with the log-likelihood of the fixes before and after."""
+    """Noise of a vehicle that explains a log's GNSS fixes best, with their log-likelihood before and after
+    the fit.
+    """
 
     noise: FieldNoise
     before: float

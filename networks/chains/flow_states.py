@@ -17,7 +17,8 @@ MAX_CODE = 2**62
 
 
 class FlowStates(NamedTuple):
-    """n states, each with the probability and the cost so far of the runs that come to it."""
+    """States of a network that its runs come to, each with the probability and the cost of the runs so far.
+    """
 
     counts: Uint16Array
     """(n, counters) number of Fails of each counter, in the order of `ActionNetwork.shared`."""

@@ -118,9 +118,10 @@ class StepMaker:
 
 
 class Aftermath:
-    """Computation of the states that follow an action's outcomes.
+    """Computation of the states of a run that follow the outcomes of an action.
 
-    A state forgets the Fails of actions that no run can start any more, so that fewer states differ.
+    A state forgets the Fails of actions that the run can no longer start, so that there are fewer
+    different states.
     """
 
     def __init__(self, network: ActionNetwork) -> None:

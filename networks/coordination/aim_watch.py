@@ -86,7 +86,8 @@ class AimWatch:
 
     @property
     def expected(self) -> tuple[float, str] | None:
-        """Start time of the next round, if this round waits for a time of day; otherwise None.
+        """Expected start of the task's next round, if the task waits for a time of day between rounds;
+        otherwise None.
 
         It is a pair of the expected instant, in [s] of the robot's time, and the time of day "HH:MM:SS".
         """

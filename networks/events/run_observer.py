@@ -25,7 +25,7 @@ class RunObserver:
         """Handle the begin, or the resume, of a run in a folder."""
 
     def period(self, robot: Robot) -> None:
-        """Handle the end of a control period of the robot."""
+        """Handle the end of a control period during the run."""
 
     def event(self, event: Event) -> None:
         """Handle an event; its contents are in the journal."""

@@ -90,7 +90,7 @@ class Choice:
 def choice_of(run: PastRun, action: PastAction) -> Choice | None:
     """Return the choice by which a run started an action, with the alternatives.
 
-    The planner computes the choice again from the Fails in the journal before the action.
+    The network's planner computes the choice again, from the Fails that the journal holds before the action.
 
     Returns:
         The choice; None if the journal does not keep the network, or the planner finds no route any more.

@@ -38,7 +38,7 @@ def check_begins_at(prepared: Prepared, options: RunOptions) -> None:
 
 
 def rehearsed_time(prepared: Prepared, options: RunOptions) -> time | None:
-    """Return the time of day at which a simulated run begins.
+    """Return the time of day at which a simulated run begins, from the run's options or the task's file.
 
     It is None if the robot is real, or if the task has no times of day for rounds or interrupts.
     """

@@ -26,7 +26,7 @@ def way_back_blocked(local: LocalReplanning, robot: Robot, ahead: FloatArray) ->
     Args:
         local: what the drive has sensed.
         robot: the robot.
-        ahead: (n, 2) points of the way back from here on, on the map, in [m].
+        ahead: (n, 2) points of the way back, from the robot's present position on, on the map, in [m].
     """
     if len(ahead) < 2:
         return False

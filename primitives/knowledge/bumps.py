@@ -97,9 +97,10 @@ def _away(robot: Robot, points: FloatArray) -> FloatArray:
 
 
 def note_bump(robot: Robot, model: WorldModel, evidence: Evidence) -> None:
-    """Record a bump and raise `Discrepancy` if the base was stopped in the last period; called once a period.
+    """Record a bump, which is a contact that stopped the base in the last period, and raise `Discrepancy`.
 
-    If the robot's pose on the map is unknown, the bump is not kept in the model.
+    Called once a period; without a bump it does nothing. If the robot's pose on the map is unknown, the bump
+    is not kept in the model.
 
     Args:
         robot: the robot.

@@ -121,7 +121,8 @@ def residuals(start: Snapshot, now: Snapshot, spec: RobotFile, room: float = mat
         start: earlier state.
         now: current state.
         spec: the robot's file, with its tolerances and joints.
-        room: largest distance of the base from its earlier pose, in [m], if below the file's tolerance.
+        room: largest allowed distance of the base from its earlier pose, in [m]; the file's tolerance holds
+            if it is smaller.
     """
     tolerance, (away, turned), sigmas = spec.tolerance, _apart(start, now), _unsure(start, now)
     base_mm = min(tolerance.base_mm, 1e3 * room)

@@ -180,10 +180,10 @@ def _places(findings: Iterable[Finding]) -> list[dict[str, Any]]:
 
 
 def file_facts(file: Path, settings: dict[str, str], asked: CheckOptions = CheckOptions()) -> dict[str, Any]:
-    """Check a file and return its facts.
+    """Check a file and return its properties and findings.
 
-    They are fields of `handcart check --json`, and in addition `lines` and `warnings` as text, and the faults
-    of the task's places (`errors`).
+    The result has the fields of `handcart check --json`, and in addition `lines` and `warnings` as text, and
+    the faults of the task's places (`errors`).
 
     Args:
         file: path of the file, or the name of a task or robot.

@@ -17,10 +17,11 @@ SILENT_TIME_S = 1.0
 
 @contextmanager
 def first_words(what: str) -> Iterator[Callable[[], None]]:
-    """Print a message to stderr after a second in this context, unless the yielded function is called before.
+    """Context that prints a message to stderr if the work in it takes longer than a second.
 
-    A stage (`begin_stage`) that takes longer than a second is printed with its name, once. Import the
-    modules of a command in this context too: on a fresh machine, the import takes longer than a second.
+    The message is not printed after the yielded function was called. A stage (`begin_stage`) that takes
+    longer than a second is printed with its name, once. Import the modules of a command in this context too:
+    on a fresh machine, the import takes longer than a second.
     """
     waiting = _Waiting(what)
     with hearing_of_stages(waiting.begin):

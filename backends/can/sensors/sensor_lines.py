@@ -30,7 +30,9 @@ _STAMP = re.compile(r"\d{1,15}", re.ASCII)
 
 
 class SensorLine(NamedTuple):
-    """A parsed line of a sensor, whose checksum is correct."""
+    """Line of text that a lidar or IMU has sent, parsed into kind, time and values after a check of its
+    checksum.
+    """
 
     kind: str
     """RANGE or IMU."""

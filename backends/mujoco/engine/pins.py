@@ -72,7 +72,8 @@ class Pins:
             data.eq_active[self._first : self._first + MAX_PIN_POINTS] = 0
 
     def close(self, model: Any, data: Any, wanted: Pinned, hand: int, other: int) -> None:
-        """Activate the pins, which hold the hand and a thing together at the points of `wanted`.
+        """Activate the point constraints (pins) that hold the hand and a thing together at the points of
+        `wanted`.
 
         Args:
             model: MuJoCo's model.

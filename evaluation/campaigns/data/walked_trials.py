@@ -53,7 +53,11 @@ class WalkedTrials:
         return self.trial_of(seed, self.together(number), column)
 
     def together(self, number: int) -> Walked:
-        """Return the walks of one batch of `side_by_side` seeds, from the seed `number * side_by_side` on."""
+        """Return the random walks of one batch, which are the runs simulated for `side_by_side` seeds.
+
+        Args:
+            number: number of the batch; its first seed is `number * side_by_side`.
+        """
         if self._kept is None or self._kept[0] != number:
             draws = np.random.default_rng([_STREAM, number % 2**64])
             self._kept = number, self.walker.walk(draws, self.side_by_side)

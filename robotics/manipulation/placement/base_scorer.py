@@ -44,10 +44,10 @@ COARSE_GRID = _Grid(0.2, 6, 100, 2500)  # for any arm: tens of us
 
 
 class BaseScorer:
-    """Scorer of base poses for one arm and its work; also returns the joints along a path from a base pose.
+    """Scorer of how well one arm can do its work along a path from each pose of the base.
 
-    Scores are computed by a `Measure`. By default this is eq. 6 of Shin (2005) together with the exact
-    condition for the joints' speed.
+    It also returns the arm's joints along the path from a base pose. Scores are computed by a `Measure`. By
+    default this is eq. 6 of Shin (2005) together with the exact condition for the joints' speed.
 
     Raises:
         ValueError: a joint of the arm slides, or has no lever that is fast and strong enough.

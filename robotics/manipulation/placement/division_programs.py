@@ -161,7 +161,8 @@ def run_end(usable: BoolArray, joined: BoolArray, first: int, placement: int) ->
 
     Args:
         usable: (p, b) True where the arm reaches a point from a placement.
-        joined: (p-1, b) True where the arm does not jump in a step; empty: it jumps in none.
+        joined: (p-1, b) True where the arm does not jump between a point and the next one; empty: it never
+            jumps.
         first: index of the point to start from.
         placement: column of the placement.
     """

@@ -67,7 +67,9 @@ class BaseStop(NamedTuple):
 
 
 class StopTable(NamedTuple):
-    """Scores of b base poses for n goals, and which of m landmarks are in sight."""
+    """Scores of b base poses for n goals of the hand, and which of m landmarks can be seen from each base
+    pose.
+    """
 
     values: FloatArray
     """Scores (b, n); 0 where a goal is not served."""

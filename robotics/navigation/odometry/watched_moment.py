@@ -58,8 +58,11 @@ class WatchedMoment(NamedTuple):
 
     @classmethod
     def of(cls, now: Belief, states: int | None = None) -> Self:
-        """Start to track the present moment: return it with all states of the belief `now`, or only the first
-        `states`.
+        """Return the estimate of the present states, from which on readings will improve it.
+
+        Args:
+            now: belief with mean and covariance of the present states.
+            states: number of the states to keep, the first ones; None: all.
         """
         covariance = now.covariance[:states].copy()
         return cls(Belief(now.mean[:states].copy(), covariance[:, :states].copy()), covariance)
@@ -111,8 +114,8 @@ class WatchedMoment(NamedTuple):
         return type(self)(then, np.asarray(shared))
 
     def unrelated(self) -> Self:
-        """Return the moment without correlation to the present states, because these were set independently
-        of it.
+        """Return a copy of this moment's estimate without correlation to the present states, so that later
+        readings no longer change it.
         """
         return self._replace(shared=np.zeros_like(self.shared))
 

@@ -31,7 +31,9 @@ class FilterMoment(NamedTuple):
 
 
 class FixResult(NamedTuple):
-    """Result of updating the filter with a fix."""
+    """Result of updating a filter with a GNSS fix, which says whether the fix was accepted, and how likely it
+    was.
+    """
 
     believed: bool
     log_likelihood: float

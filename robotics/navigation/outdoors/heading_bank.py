@@ -81,10 +81,11 @@ class HeadingBank:
         self.begin(start, start_position)
 
     def begin(self, start: Pose2, start_position: float) -> None:
-        """Start again at a known place with an unknown heading.
+        """Restart the filters at a known place with an unknown heading, which is tried in all directions.
 
         Args:
-            start: world_T_base; its heading is the first one that is tried.
+            start: world_T_base; the first filter starts with its heading, the others with headings at even
+                angles from it.
             start_position: standard deviation of the position along each axis, in [m].
         """
         turn = 2.0 * math.pi / HEADING_COUNT

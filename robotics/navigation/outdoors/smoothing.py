@@ -92,8 +92,10 @@ class TrackRecord:
             self._latest = self._latest.corrected_either(branches, rows, variance)
 
     def mark(self, now: Belief) -> None:
-        """Mark this moment, for which `smoothed` shall return a belief; `now` is the filter's present
-        belief.
+        """Mark the present moment as one for which `smoothed` returns a belief.
+
+        Args:
+            now: the filter's present belief.
         """
         if self._latest is not None:
             self._links.append(_Link(self._latest, now))
