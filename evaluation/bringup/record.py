@@ -37,7 +37,7 @@ class RungRecord(FileModel):
 
 
 def save(record: RungRecord, path: Path) -> None:
-    """Write a record to a file; raises OSError if it cannot be written."""
+    """Write the record of a bring-up step to a YAML file; raises OSError if it cannot be written."""
     from ruamel.yaml import YAML
 
     yaml = YAML()

@@ -72,9 +72,9 @@ class KitSetting:
         return RigFiles() if task is None or task.path("knowledge", "map") is None else RigFiles.of(task)
 
     def batches(self) -> list[Batch]:
-        """Return the work of injecting faults into REACH and each primitive of the tasks, as batches.
+        """Return the work of the fault trials as batches, each of which is done in one process.
 
-        A batch is the work of one process.
+        The trials inject faults into REACH, a primitive for tests, and into each primitive of the tasks.
         """
         full, quick = QUICK_INSTANTS.get(self.simulated or self.backend, OTHER_INSTANTS)
         count = self.instants or (quick if self.quick else full)

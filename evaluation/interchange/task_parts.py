@@ -61,7 +61,9 @@ class TaskParts:
         return str(goal[-1] if isinstance(goal, list) else goal)
 
     def lost(self) -> Iterator[str]:
-        """Yield descriptions of features that get lost, except for comments, when the task is converted."""
+        """Yield a description of each feature of the task, except comments, that gets lost when its file is
+        converted to another format.
+        """
         words = {
             "policy": "the policy",
             "belief": "beliefs",

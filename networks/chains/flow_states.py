@@ -17,7 +17,8 @@ MAX_CODE = 2**62
 
 
 class FlowStates(NamedTuple):
-    """States of a network that its runs come to, each with the probability and the cost of the runs so far.
+    """States of a network that its runs come to, each with the probability and the cost of the runs so
+    far.
     """
 
     counts: Uint16Array

@@ -31,7 +31,8 @@ class StepTable:
         self._made: dict[State, tuple[Step, float]] = {}
 
     def policy(self, start: State, effort: Effort) -> Policy:
-        """Return the decisions in all states that runs can reach from a state.
+        """Return the rule's decisions (the cheapest route is taken) in all states that runs can reach from a
+        state.
 
         Args:
             start: state in which the runs begin.

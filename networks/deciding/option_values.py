@@ -115,11 +115,12 @@ class RunOptionValues:
         self._values: OptionValues | None = None
 
     def by(self, chances: Chances | None, policy: str | None) -> OptionValues:
-        """Return the calculator of a run's expected results by next action, for probabilities and a policy.
+        """Return the calculator that predicts, for each action a run could do next, the time and probability
+        of reaching the goal.
 
         Args:
-            chances: outcome probabilities of each action; None: those of the file.
-            policy: policy that decides afterwards; None: the network's.
+            chances: outcome probabilities of each action; None: those of the task's file.
+            policy: policy that decides after this action; None: the network's.
         """
         key = None if chances is None else tuple(chances), policy or self._network.policy
         if self._values is None or key != self._key:

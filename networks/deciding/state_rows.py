@@ -146,7 +146,7 @@ class StateRows:
         Transitions to the goal are omitted.
 
         Args:
-            rows: (n, 1 + counters) situation and counts of Fails of each state, as in the class.
+            rows: (n, 1 + counters) states: index of the situation, then the number of Fails by each counter.
         """
         places = rows[:, 0].astype(np.int64)
         count = self._first[places + 1] - self._first[places]

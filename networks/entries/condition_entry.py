@@ -31,7 +31,9 @@ class ConditionEnding(EndingChance):
 
 
 class ConditionFail(FailChance):
-    """Entry of `on_fail`, with the facts that the robot knows after a Fail of one cause."""
+    """Entry of an action's `on_fail` in a task file, with the facts that the robot knows after a Fail of one
+    cause.
+    """
 
     known: Annotated[dict[str, Fact], Field(default_factory=dict)]
     """Facts that the robot then knows (default: nothing new)."""

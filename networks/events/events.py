@@ -16,7 +16,7 @@ from .run_end import RunEnd
 
 @dataclass(frozen=True)
 class Planned:
-    """Event after planning, whether a route was found or not."""
+    """Event of a run that has planned how to go on, with the route, or with the reason why none was found."""
 
     time: float
     """The robot's time, in [s], as in all events."""

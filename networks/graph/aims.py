@@ -20,7 +20,9 @@ class Rounds:
     """Times of day at which rounds begin; none: as `every_s` says."""
 
     def fields(self) -> dict[str, Any]:
-        """Return the fields of the rounds, ready for JSON."""
+        """Return number, period and times of day of a task's repetitions ("rounds") as fields, ready for
+        JSON.
+        """
         return {"most": self.most, "every_s": self.every_s, **_at_fields(self.at)}
 
 

@@ -50,7 +50,9 @@ class RunDecisions:
         self._bound = network.bound()
 
     def begin_round(self) -> None:
-        """Begin the next round at the network's start, with all Fails forgotten."""
+        """Begin the next round of a task that is repeated: start at the network's start, with all Fails
+        forgotten.
+        """
         if self.round and self.lost is not None:
             self.unfinished.append(self.round)
         self.round += 1
@@ -81,7 +83,11 @@ class RunDecisions:
 
     @property
     def goal(self) -> str:
-        """The situation that is pursued, which is the goal, that of an interrupt, or one of `otherwise`."""
+        """The situation that the run pursues.
+
+        It is the network's goal, the goal of an interrupt, or one of the situations that the task names
+        (`otherwise`) for when no route to the goal is left.
+        """
         return self._first[-1][0] if self._first else (self._goals or [self.network.goal])[0]
 
     @property

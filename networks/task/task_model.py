@@ -129,9 +129,10 @@ class TaskHead(AimsHead):
 
     @property
     def belief_attempts(self) -> float | None:
-        """Number of observed attempts to which the file's probabilities are equivalent, as a prior.
+        """Number of observed attempts of an action that the probabilities in the task's file are worth.
 
-        It is None if a run does not update the probabilities.
+        They are the prior of the beliefs that a run updates by its outcomes. The number is None if the run
+        does not update them.
         """
         return None if self.belief is None or self.policy == "rule" else self.belief.attempts
 

@@ -49,7 +49,9 @@ Names = Annotated[tuple[LandmarkName, ...], Field(min_length=3)]
 
 
 class HandSurroundings(NamedTuple):
-    """Landmarks to view, the held object, and obstacles for the arm; poses are in the base frame."""
+    """Landmarks that the hand's camera shall see, the object in the hand, and obstacles for the arm, all
+    posed in the base frame.
+    """
 
     marks: list[LandmarkPlan]
     base_T_marks: list[Transform]

@@ -294,7 +294,7 @@ class MoveDoor(ActionPrimitive):
         grip: FloatArray,
         is_there: Callable[[PathFit, FloatArray], bool],
     ) -> Generator[None, None, Pull]:
-        """Move the held handle along its path; record force, travel and hinge as findings.
+        """Move the held handle along its path; record force, travel and hinge for the journal.
 
         Args:
             robot: robot whose hand holds the handle.

@@ -161,7 +161,8 @@ def make_monitor(robot: Robot, model: ModelView) -> ObstacleMonitor | FieldObsta
 
 
 class FieldObstacleMonitor:
-    """Monitor that watches a car's path for obstacles, on the map or not, because outdoor maps are inexact.
+    """Monitor that watches a car's path for obstacles, on the map or not, because outdoor maps are
+    inexact.
     """
 
     def __init__(self, radius: float) -> None:

@@ -64,7 +64,9 @@ class FrontierLook(NamedTuple):
 
 
 class ExploringLook:
-    """Choice of the next frontier to explore, without frontiers that were given up for a reason."""
+    """Choice of the next frontier (border of known ground) to explore; frontiers that were given up are
+    excluded.
+    """
 
     def __init__(self, robot: Robot, grown: GrowingMap, radius_m: float) -> None:
         """Begin at a robot's start, on a map that grows; frontiers beyond `radius_m` from the start are

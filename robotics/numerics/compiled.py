@@ -87,10 +87,11 @@ def compiled(function: Function) -> Function:
 
 
 def compiled_fast(function: Function) -> Function:
-    """Return `function` so that its first call compiles it, like `compiled`, but with faster arithmetic.
+    """Return `function` so that its first call compiles it to machine code with faster, less strict
+    arithmetic.
 
     Sums may be computed in any order, and divisions by zero are not checked. Infinity and NaN keep their
-    meaning.
+    meaning. The machine code is cached on disk.
     """
     return cast(Function, Kernel(function, {"error_model": "numpy", "fastmath": ANY_ORDER}))
 

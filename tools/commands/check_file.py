@@ -25,7 +25,8 @@ MAX_FINDING_LINES = 12  # more are grouped by kind
 
 
 class CheckOptions(NamedTuple):
-    """Options of `handcart check`, as given on the command line, that select additional checks and outputs.
+    """Options of `handcart check`, as given on the command line, that select additional checks and
+    outputs.
     """
 
     picture: Path | None = None

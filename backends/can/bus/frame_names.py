@@ -45,7 +45,7 @@ def names_of(network: canopen.Network, time: str) -> FrameNames:
 
     Args:
         network: network with its nodes.
-        time: kind of the time stamps, see `FrameNames.time`.
+        time: kind of the time stamps: `unix`, in [s] since 1970, or `robot`, the simulated robot's time.
     """
     nodes = {number: str(getattr(node, "name", f"node {number}")) for number, node in network.items()}
     pdos = {}

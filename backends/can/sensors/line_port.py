@@ -36,7 +36,7 @@ class LinePort:
         self._begun = b""
 
     def lines(self) -> Iterator[bytes]:
-        """Yield the complete lines that have arrived, without their line ends."""
+        """Yield the complete lines that the sensor has sent since the last call, without their line ends."""
         came = self._begun + self._port.read(_MOST)
         *whole, self._begun = came.split(b"\n")
         if len(self._begun) > _LONGEST:

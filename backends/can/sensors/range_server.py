@@ -11,7 +11,9 @@ from .sensor_lines import sensor_line
 
 
 class RangeServer:
-    """Server that listens on a local port and sends each scan, by the line protocol, to connected clients."""
+    """Server that listens on a local port and sends each lidar scan to its clients, as a line of text with a
+    checksum.
+    """
 
     def __init__(self, sensor: RangeSensor, port: int) -> None:
         """Begin to listen; raises OSError."""

@@ -49,7 +49,8 @@ class Pins:
         return bool(data.eq_active[self._first])
 
     def pull(self, data: Any) -> float:
-        """Return the mean force, in [N], of the point constraints (pins) that fix the held thing to the hand.
+        """Return the mean force, in [N], of the point constraints (pins) that fix the held thing to the
+        hand.
         """
         forces = data.efc_force[self._first : self._first + 3 * MAX_PIN_POINTS].tolist()
         return (

@@ -192,7 +192,8 @@ class Engine(ABC):
 
     @abstractmethod
     def pin(self, wanted: Pinned | None) -> None:
-        """Replace the current rigid connection of two bodies by `wanted`; None: release it without a new one.
+        """Replace the current rigid connection of two bodies by `wanted`; None: release it without a
+        new one.
         """
 
     def pin_force(self) -> FloatArray:

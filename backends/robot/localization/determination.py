@@ -133,7 +133,8 @@ def room_left(covariance: FloatArray, need: PoseNeed, shift: FloatArray = NO_SHI
     Args:
         covariance: (3, 3) covariance of the pose: x and y on the map in [m], heading in [rad].
         need: required accuracy of the pose.
-        shift: (2,) or (1 + n, 2) errors of the position on the map, in [m], see `undetermined`.
+        shift: largest systematic error of the position on the map, in [m], in addition to the covariance;
+            (2,) for one error, or (1 + n, 2) with n further, independent errors.
 
     Returns:
         Margin of the position in its worst direction, in [m], and margin of the heading, in [rad].

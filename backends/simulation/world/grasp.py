@@ -34,7 +34,7 @@ class Pads(NamedTuple):
 
 
 def thickness(thing: Thing, pads: Pads) -> float:
-    """Return the thickness of a thing between the pads, in [m]."""
+    """Return the thickness of a thing in the direction in which the finger pads close, in [m]."""
     return thing.size[_across(thing, pads)]
 
 

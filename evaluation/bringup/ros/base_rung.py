@@ -24,7 +24,7 @@ MAX_COMMAND_ERROR = 0.4
 
 
 class BaseAxis(NamedTuple):
-    """Direction of a test motion of the base, with the question for the operator who measures it."""
+    """Test motion of the base along or about one axis, with the question for the operator who measures it."""
 
     name: str
     """Field of `Motion`."""

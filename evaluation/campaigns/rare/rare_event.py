@@ -35,7 +35,9 @@ class RareEvent:
 
     @classmethod
     def of(cls, outcome: str, importance: str | None = None, runs: int | None = None) -> RareEvent:
-        """Create an event from command-line values; None selects a default.
+        """Return the rare outcome whose probability is estimated, and the settings, from command-line values.
+
+        A value of None selects the default.
 
         Raises:
             NoRareEvent: a value is invalid.

@@ -10,7 +10,8 @@ from handcart.evaluation.campaigns.data.trial import ActionEnd, Trial
 
 @dataclass(frozen=True)
 class Divergence:
-    """First action, in the order of the runs, in which two runs differ by the action's name or its outcome.
+    """First action, in the order of the runs, in which two runs differ by the action's name or its
+    outcome.
     """
 
     number: int

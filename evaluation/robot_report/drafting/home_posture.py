@@ -48,7 +48,7 @@ def home_of(urdf_text: str, base: str, hand: str, joints: Sequence[JointFacts], 
         urdf_text: a valid URDF.
         base: link on the floor.
         hand: link at the arm's end.
-        joints: facts of the arm's joints.
+        joints: the arm's joints, with type and limits.
         units: units of the joints.
     """
     arm = ArmModel(urdf_text, units.names, tip=hand, base=base)

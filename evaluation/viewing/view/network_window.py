@@ -15,7 +15,8 @@ BOX_MARGIN_PX = 10.0  # around the outermost boxes
 
 
 class NetworkWindow:
-    """Drawing of a task's network of actions and outcomes; a view shows the part around the present action.
+    """Drawing of a task's network of actions and outcomes; a view shows the part around the present
+    action.
     """
 
     def __init__(self, network: ActionNetwork, actions: Sequence[PastAction]) -> None:

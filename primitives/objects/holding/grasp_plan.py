@@ -46,7 +46,9 @@ class PlannedGrasp(NamedTuple):
 
 
 class GraspChoice(NamedTuple):
-    """Grasps found for an object, with the numbers of grasps tried and reached."""
+    """Grasps found for an object, the best one first, with the numbers of grasps that were tried and that the
+    arm reaches.
+    """
 
     planned: tuple[PlannedGrasp, ...]
     """Free grasps, the best one first."""

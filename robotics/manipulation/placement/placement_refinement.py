@@ -45,11 +45,12 @@ def refine(
     turn: float,
     seed: int = 0,
 ) -> Refinement:
-    """Improve a division: move each base pose to its segment's best score, divide again, and repeat.
+    """Improve the division of a path into segments, each tracked by the arm from one base pose.
 
-    Each division is among the present base poses and the moved ones. The search ends when a new division does
-    not improve the score: at a local optimum, never worse than the start. How far the global optimum may be
-    is not known from this search; see `placement_bound`.
+    Each base pose is moved to where its segment's score is best. Then the path is divided again, among the
+    old and the moved base poses, and so on. The search ends when a new division does not improve the score:
+    at a local optimum, never worse than the start. How far the global optimum may be is not known from this
+    search; see `placement_bound`.
 
     Args:
         scorer: returns the scores of base poses.

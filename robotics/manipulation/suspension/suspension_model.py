@@ -68,7 +68,8 @@ class SuspensionModel(NamedTuple):
         return self.motion(base_T_hand, reference, swings) @ base_T_hand
 
     def corrected(self, base_T_goal: Transform, reference: Transform, swings: float) -> Transform:
-        """Return the base_T_hand (4, 4) to command so that the hand reaches a goal although the base moves.
+        """Return the base_T_hand (4, 4) to command so that the hand reaches a goal although its load tilts
+        and turns the base.
 
         Args:
             base_T_goal: (4, 4) pose of the goal in the frame that the base had at the reference posture.

@@ -53,11 +53,13 @@ class BlockedWheels:
     def update(
         self, command: tuple[float, float], rolled: tuple[float, float], before: Pose2, now: Pose2
     ) -> BlockedWheel | None:
-        """Add a period's motion to the windows; return the evidence that a wheel is blocked, None if none is.
+        """Add the motion of one period to that of the last periods, and return a wheel that it shows to be
+        blocked; None if none is.
 
         Args:
             command: commanded speed ahead in [m/s] and turn rate in [rad/s].
-            rolled: distance rolled by the left and by the right wheel, by their encoders, in [m].
+            rolled: distance rolled in the period by the left and by the right wheel, by their encoders, in
+                [m].
             before: estimated map_T_base before the period.
             now: estimated map_T_base after the period.
         """

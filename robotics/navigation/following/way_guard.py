@@ -22,7 +22,8 @@ NO_STANDS = np.empty((0, 2))
 
 
 class HoldingObstacle(NamedTuple):
-    """Obstacle that prevents a robot from moving on, with its position, its distance and the distance needed.
+    """Obstacle that prevents a robot from moving on, with its position, its distance and the distance
+    needed.
     """
 
     shown_by: Literal["map", "scan", "contact", "unseen"]

@@ -89,8 +89,8 @@ class WatchedMoment(NamedTuple):
         return type(self)(Belief(mean, spread), shared)
 
     def corrected_either(self, branches: Sequence[BeliefBranch], rows: FloatArray, variance: float) -> Self:
-        """Return the moment after a filter update by readings, if the states may have changed in one of
-        several ways.
+        """Return this moment's estimate, improved by later readings before which the states may have changed
+        in one of several ways.
 
         Args:
             branches: possible changes before the update, each with its weight, transition, residual and

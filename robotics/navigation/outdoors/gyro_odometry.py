@@ -84,7 +84,7 @@ class GyroOdometry:
 
     @property
     def at_rest(self) -> bool:
-        """True if the base is at rest."""
+        """True if the latest readings of wheels and inertial sensors show that the base is at rest."""
         return bool(self._state[10] > 0.0)
 
     @property

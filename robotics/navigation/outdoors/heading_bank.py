@@ -139,9 +139,9 @@ class HeadingBank:
             self._means[k], self._spreads[k] = mean, spread
 
     def fix(self, position: FloatArray, sigma: float, odometry: GyroOdometry) -> float:
-        """Update with a fix, and return the logarithm of its likelihood.
+        """Update all filters with a GNSS fix, and return the logarithm of its likelihood.
 
-        If most of the latest fixes are implausible for all headings, the search starts again at this fix.
+        If most of the latest fixes are implausible for all headings, all filters start again at this fix.
 
         Args:
             position: (2,) position of the antenna in the field's frame, in [m].

@@ -24,7 +24,9 @@ class _Link(NamedTuple):
 
 
 class Entries(NamedTuple):
-    """Size of a `TrackRecord` at one moment, by which the record can be rewound to that moment."""
+    """Size that the record of a Kalman filter's run (`TrackRecord`) has at one moment, to rewind the record
+    to that moment.
+    """
 
     starts: int
     links: int

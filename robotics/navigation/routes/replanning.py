@@ -94,7 +94,7 @@ class Replanner:
             start: map_T_base.
             goal: map_T_base at the goal.
             front: (2, 2) ends of a straight front on the map, in [m], in front of which the robot has to
-                stop, as in `Ways.to`; None: the goal has no front.
+                stop; None: the goal has no front.
             route: (n, 2) rest of the old route, from the robot on, on the map, in [m]; None: no old route.
             lead: length of the old route, from the robot on, that a new route has to keep, in [m].
             better: True to look for another route although the old one is free.

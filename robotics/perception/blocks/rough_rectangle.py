@@ -21,13 +21,13 @@ def rough_rectangle(
     """Return a rough estimate of a rectangle near a guess; the guess may be off by at most 2 mm and 0.04 rad.
 
     On each side of the rectangle the innermost decrease of grey by at least `least` levels is taken; all
-    sides are assumed to be turned by the same angle. None if it is found on fewer than three sides, or if
-    opposite sides are not `size` apart.
+    sides are assumed to be turned by the same angle. None if such a decrease is found on fewer than three
+    sides, or if opposite sides are not `size` apart.
 
     Args:
         view: image of the plane.
         size: length (along x) and width of the rectangle, in [m].
-        guess: plane_T_centre of the rectangle.
+        guess: guessed plane_T_centre of the rectangle.
         within: largest difference of a side from its size, in [m].
         least: least decrease of grey at an edge, in grey levels.
     """
