@@ -19,7 +19,9 @@ from .stop_errors import stop_errors
 
 @dataclass(frozen=True)
 class BookNotes:
-    """Observations of a `BookSurvey` that a resumed run could not make again."""
+    """Observations of the return of books (`BookSurvey`) made so far in a run, which the run could not make
+    again when it is resumed.
+    """
 
     accessions: tuple[int, ...] | None
     """Accession numbers of the books to return; None if no books are returned."""

@@ -31,7 +31,7 @@ MAX_FAILED_STARTS = 20
 
 
 class TrialFault(HandcartError):
-    """Error for a trial that cannot be run, with the text and exit status of the original error."""
+    """Error for a trial that cannot be run, with the text and exit status of the error that prevented it."""
 
     def __init__(self, words: str, exit_status: int = 5) -> None:
         super().__init__(words)

@@ -10,7 +10,9 @@ NEVER_REACHED = Moments(0.0)
 
 
 class Ends(NamedTuple):
-    """Mutually exclusive ends of runs through a part of a network, with their probabilities and costs."""
+    """Ends of runs through a part of a network, such as the goal or a GiveUp, with their probabilities and
+    costs; each run has exactly one of them.
+    """
 
     goal: Moments = NEVER_REACHED
     skipped: Moments = NEVER_REACHED

@@ -42,7 +42,9 @@ BATCH_STEPS, STATE_STEPS, ROUTE_STEPS = 30.0, 0.3, 0.01
 
 
 class FlowResult(NamedTuple):
-    """Ends of the runs that a `RuleFlow` has followed along cheapest routes, and their starts of actions."""
+    """Ends of the runs that a `RuleFlow` has followed along cheapest routes, and how often they started each
+    action.
+    """
 
     ends: Ends
     starts: FloatArray

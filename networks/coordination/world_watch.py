@@ -49,7 +49,7 @@ class WorldWatch:
         self._stood = at
 
     def arrived(self, situation: str) -> None:
-        """Record that a situation holds at the last snapshot."""
+        """Record that a situation holds now, with the state of the robot that was measured last."""
         self._seen.pop(situation, None)
         if self._stood is not None:
             self._seen[situation] = self._stood

@@ -49,7 +49,10 @@ class Beliefs:
         return self._count(action, 1, 0)
 
     def failed(self, action: Action) -> bool:
-        """Count a Fail of an action; return whether a belief changed (False for a skip)."""
+        """Count a Fail of an action, and return whether a belief about its outcome probabilities changed.
+
+        It is False for an action that only skips an element of a list over which the task repeats actions.
+        """
         return self._count(action, 0, 1)
 
     def _count(self, action: Action, success: int, fail: int) -> bool:

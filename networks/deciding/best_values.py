@@ -43,8 +43,8 @@ class BestValues:
     A decision is searched for when it is first needed.
 
     The states form a graph, which is solved by its strongly connected components, the last ones first. A
-    component in which a run may come back to a state is solved by `ComponentSearch`. In the others, each
-    state is solved from its successors.
+    component in which a run may come back to a state is solved by `ComponentSearch`. In the other components,
+    each state is solved from its successors.
     """
 
     def __init__(self, process: Process, effort: Effort) -> None:

@@ -115,8 +115,8 @@ def judge_switch(
 
     Args:
         network: the network.
-        counts: counted outcomes of each action; None if it only skips an element of a repeat. Copies of one
-            action share one object.
+        counts: counted outcomes of each action; None if it only skips an element of a list over which the
+            task repeats actions. The copies of an action for these elements share one object.
         name: the policy to compare, `expected_cost` or `goal_probability`.
         person_s: price of an end short of the goal, in [s].
         seed: seed of the draws.

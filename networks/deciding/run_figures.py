@@ -52,7 +52,7 @@ def rule_figures(process: Process, forecaster: Forecaster) -> PolicyFigures:
     """Return the expected results of runs that follow the rule, which takes the cheapest route.
 
     Args:
-        process: the network with its prices.
+        process: the network with the costs of its actions and of its ends.
         forecaster: forecaster of the same network and outcome probabilities.
     """
     forecast = forecaster.forecast()

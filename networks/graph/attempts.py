@@ -40,7 +40,11 @@ class Attempts(NamedTuple):
         return count % self.width
 
     def is_out(self, count: int) -> bool:
-        """Return whether the action is excluded at a run's count of Fails and renewals."""
+        """Return whether the action is excluded because a run has used up its attempts.
+
+        Args:
+            count: the run's count of Fails and renewals, `renewals * width + fails`.
+        """
         return count % self.width >= self.most
 
     def failed(self, count: int) -> int:

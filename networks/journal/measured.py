@@ -37,7 +37,7 @@ def measured_fields(at: Snapshot) -> At:
 
 
 def snapshot_of(fields: Mapping[str, Any]) -> Snapshot:
-    """Return the robot's snapshot that `measured_fields` has converted to the given fields.
+    """Return the robot's snapshot from the fields with which the journal stores it (`measured_fields`).
 
     Raises:
         KeyError, TypeError: the fields do not describe a snapshot.

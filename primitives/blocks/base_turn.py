@@ -14,7 +14,7 @@ FUSION_GATE_SIGMAS = 5.0  # sigmas
 
 
 class BaseTurn(NamedTuple):
-    """Yaw of the base, positive to the left, with its standard deviation, in [rad]."""
+    """Yaw of the base since it was measured at a landmark, positive to the left, with its sigma, in [rad]."""
 
     yaw: float
     sigma: float

@@ -355,7 +355,9 @@ class ModelView:
         object.__setattr__(self, "_part", model if part is None else part)
 
     def of(self, kind: type[SectionT]) -> SectionT:
-        """Return a view of a domain's section, restricted to entries that this view's primitive declares."""
+        """Return a view of the model's part for one domain (a kind of work), restricted to the entries that
+        the primitive of this view declares.
+        """
         model = self.__dict__["_model"]
         return cast(SectionT, ModelView(model, self.__dict__["_primitive"], model.of(kind)))
 

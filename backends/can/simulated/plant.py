@@ -15,8 +15,10 @@ class Plant(ABC):
 
     @abstractmethod
     def step(self, drives: Mapping[int, DriveNode], seconds: float) -> None:
-        """Move all motors towards their set-points `drive.driven`, and report their positions by
-        `drive.moved`.
+        """Move all motors for a time towards their commanded positions, and report the reached ones to the
+        drives.
+
+        The commands are `drive.driven`; `drive.moved` receives the positions.
 
         Args:
             drives: drives by node ID.

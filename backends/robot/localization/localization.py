@@ -101,7 +101,7 @@ class Localization(ABC):
 
     @property
     def odometry_pose(self) -> Pose2:
-        """2D pose of the base that never jumps, which is `pose` or dead reckoning in a frame of its own."""
+        """2D pose of the base that never jumps, indoors `pose`, outdoors dead reckoning in its own frame."""
         return self.pose
 
     def set_origin(self) -> None:

@@ -27,7 +27,9 @@ class NotSimulated(InputError):
 
 
 class SensorMaker(NamedTuple):
-    """Function that builds a simulated sensor, and whether the simulation must be at rest before the call."""
+    """Builder of a simulated sensor, with a flag that the simulation has to come to rest before it is
+    called.
+    """
 
     build: Callable[[SensorSite[Any]], SimulatedSensor]
     settled_first: bool

@@ -44,7 +44,8 @@ def load_world_or_map(path: Path, start: Pose2) -> WorldFile:
 
 
 def read_world(path: Path) -> tuple[Loaded[WorldFile], WorldFile]:
-    """Return a world's file with line and column of each value, and the world that `load_world` returns.
+    """Return a world's file with line and column of each value, and the world to simulate, with its map's
+    obstacles.
 
     Raises:
         FileError: the file is invalid.

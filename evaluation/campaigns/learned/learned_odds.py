@@ -113,9 +113,10 @@ class _Drawers(NamedTuple):
 
 
 def best_pooling(task: Task, seen: SeenActions) -> float:
-    """Return the pooling weight w of `LearnedOdds` with the largest likelihood in a cross-validation.
+    """Return the weight w of pooled counts in `LearnedOdds` that has the largest likelihood in a
+    cross-validation.
 
-    The cross-validation is five-fold.
+    With w, outcomes of an action in all contexts count in a rare context. The cross-validation is five-fold.
     """
     scores = dict.fromkeys(POOLING_WEIGHTS, 0.0)
     numbers = np.arange(len(seen.success))

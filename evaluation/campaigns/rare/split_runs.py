@@ -26,7 +26,9 @@ MAX_KEPT_RUNS = 10
 
 
 class BrokenRun(HandcartError):
-    """Error for a simulated run that crashed or was stopped from outside, which ends the splitting."""
+    """Error for a simulated run that crashed or was stopped from outside, which ends the estimate of a rare
+    outcome's probability.
+    """
 
 
 class Stopped(NamedTuple):
@@ -39,9 +41,9 @@ class Stopped(NamedTuple):
 
 
 class SplitRuns:
-    """Runs of a simulated robot that can be stopped at a level of importance and continued from it.
+    """Simulated runs for multilevel splitting, each of which can be stopped at a level and continued from it.
 
-    They have folders and checkpoints on disk.
+    The levels are steps towards a rare outcome. The runs have folders and checkpoints on disk.
     """
 
     def __init__(

@@ -87,7 +87,7 @@ class Comparison:
 
     @property
     def success(self) -> MetricChange:
-        """Change of the success rate."""
+        """Change of the success rate from the first campaign to the other one."""
         return self.changes[0]
 
     @property

@@ -31,7 +31,8 @@ class FileOdds:
         self._cost = np.array([action.cost_s for action in task.network.actions])
 
     def ends(self, action: Int32Array, context: Int32Array, drawn: FloatArray) -> Int8Array:
-        """Draw how each action ends, as an `EndCode` (n,), with the probabilities of the task file.
+        """Draw for each action whether it ends in Success, Fail or GiveUp (`EndCode`, (n,)), with the
+        probabilities of the task file.
 
         Args:
             action: (n,) indices of the actions in the network.

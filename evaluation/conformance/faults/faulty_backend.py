@@ -138,7 +138,7 @@ class FaultyBackend(LayeredBackend):
             base.drive(*command)
 
     def arm_move(self, arm: Arm, joints: FloatArray) -> None:
-        """Pass on the arm's command (n,), in [rad] or [m], unless the fault holds the arm."""
+        """Pass on the arm's command (n,), in [rad] or [m], unless the injected fault makes the arm stick."""
         if self._sticks(arm) or self._joints is not None:
             self._joints = np.array(joints, dtype=np.float64)
         else:

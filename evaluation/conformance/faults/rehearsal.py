@@ -56,7 +56,8 @@ class Rehearsal:
         return rehearsed(load_task(self.task, self.settings))
 
     def attempts(self) -> Iterator[tuple[int, str, Underway]]:
-        """Yield number (from 1), name and not yet started attempt of each action.
+        """Yield an attempt of each action in the order of the task, which has not started yet, with the
+        action's number (from 1) and name.
 
         If the caller has not finished an attempt, the next iteration runs it to its end.
 

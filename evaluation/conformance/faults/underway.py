@@ -31,7 +31,9 @@ class Endless(Exception):
 
 @dataclass(frozen=True)
 class AttemptEnding:
-    """Outcome of an attempt with an injected fault, and the claims that the ground truth contradicts."""
+    """Outcome of a primitive's attempt with an injected fault, and those of its claims that the ground truth
+    contradicts.
+    """
 
     outcome: str
     """Success, Fail or GiveUp; Error where an exception came through."""

@@ -43,7 +43,7 @@ class RobotNodes:
         self._base_T_root: Transform = inverse(self._urdf.get_transform(base))
 
     def move(self, base: FloatArray, joints: FloatArray, width: float) -> None:
-        """Move the robot.
+        """Move the robot that is drawn in the view to a pose and posture.
 
         Args:
             base: (7,) world_T_base: x, y, z in [m], and a unit quaternion w, x, y, z.

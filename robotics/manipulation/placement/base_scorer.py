@@ -68,7 +68,8 @@ class BaseScorer:
         self.work = work
 
     def scores(self, bases: FloatArray, path: ToolPath) -> PlacementScores:
-        """Return the scores of a path's points from base poses, by the scorer's own rule.
+        """Return scores, from 0 to 1, of how well the arm can work at each point of a path from each base
+        pose.
 
         Args:
             bases: (b, 3) world_T_base: x, y in [m], heading in [rad].

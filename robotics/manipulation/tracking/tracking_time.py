@@ -23,7 +23,7 @@ from .tracking_limits import ArmLoad, LimitUse
 
 
 class TimedTracking(NamedTuple):
-    """Set-points of the arm along a path, from rest to rest."""
+    """Set-points of the arm along a path, one each control period; it is at rest at both ends of the path."""
 
     set_points: FloatArray
     """Joint angles (k, n), one row each period, in [rad]."""

@@ -139,7 +139,9 @@ class KeyframeGraph:
             self.optimize()
 
     def optimize(self) -> None:
-        """Move the poses to the optimum, without the closures that contradict the others."""
+        """Optimize the poses of the keyframes, without loop closures that contradict the other
+        measurements.
+        """
         while True:
             poses = optimize(np.array(self.poses), self.edges)
             errors = edge_errors(poses, self.loop_edges)

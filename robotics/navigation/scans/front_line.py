@@ -127,11 +127,12 @@ def _front(
 
 
 def pose_from_front(pose: Pose2, front: FrontLine, segment: FloatArray) -> Pose2:
-    """Correct a pose by a measured front: the heading, and the position along the front's normal.
+    """Correct a pose by a measured straight front of an object: the heading, and the position along the
+    front's normal.
 
     Args:
         pose: map_T_base, accurate enough that the front is not confused with another one.
-        front: front as fitted in the base frame.
+        front: front as fitted to a scan, in the base frame.
         segment: (2, 2) the front's two ends on the map, in [m].
     """
     along = (segment[1] - segment[0]) / np.linalg.norm(segment[1] - segment[0])
