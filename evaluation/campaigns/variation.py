@@ -189,7 +189,7 @@ def file_of(name: str, task: Task) -> Path:
 
 
 def load_variation(path: Path, task: Task | None = None) -> Variation:
-    """Load a file of variations.
+    """Load a file that states which numbers of a task's files vary between trials.
 
     Args:
         path: path of the file.

@@ -160,7 +160,7 @@ class Survey(ABC):
         return []
 
     def notes(self) -> Any:
-        """Return the observations that a continued run needs and cannot repeat, as a value of the type
+        """Return the observations that a continued run needs and cannot repeat, as an object of the class in
         `noted`.
         """
 

@@ -56,7 +56,7 @@ class Forecast:
 
     @property
     def goal_high(self) -> float:
-        """Upper bound of the probability of the goal."""
+        """Upper bound of the probability that a run reaches the goal."""
         return min(1.0, self.goal + self.unknown)
 
 

@@ -97,10 +97,11 @@ class StateTable:
     def add(self, rows: Uint16Array) -> IntArray:
         """Add states that are not in the table yet, and return the numbers (n,) of all given states.
 
-        The cost bounds of new states are those of their situations.
+        The lower cost bound of a new state is that of its situation without the actions that its Fails
+        exclude; the upper bound is the cost of stopping there.
 
         Args:
-            rows: (n, 1 + counters) situation and counts of Fails of each state, as in `StateRows`.
+            rows: (n, 1 + counters) states: index of the situation, then the number of Fails by each counter.
         """
         numbers, new = self._numbers, list[int]()
         found = np.empty(len(rows), np.int64)

@@ -70,7 +70,9 @@ class DrawnFrame(NamedTuple):
 
 
 class DrawnLink(NamedTuple):
-    """Line of an action's link through points, with alternately straight and curved segments."""
+    """Line that joins the box of an action to a situation in a drawing, with alternately straight and curved
+    segments.
+    """
 
     points: tuple[Point, ...]
     travelled: bool

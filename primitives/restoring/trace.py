@@ -67,11 +67,12 @@ class Trace:
             self.moments[number] = self.moments[number]._replace(pose=pose, odometry_pose=odometry_pose)
 
     def left_after(self, back: Trace) -> Trace:
-        """Return the trace that is still to be retraced if a motion back along this trace ended early.
+        """Return the trace that still has to be retraced if a motion back along this trace ended early.
+
+        It is the rest of this trace, and after it the part of the motion back that left this trace.
 
         Args:
-            back: record of the motion back. Where that motion left this trace, its moments are part of the
-                result.
+            back: record of the motion back.
         """
         last, begin = len(self.moments) - 1, 0
         for number, moment in enumerate(back.moments):

@@ -87,7 +87,7 @@ class LocalAction:
 
 
 class LocalGoalSender(GoalSender):
-    """Client of an action within this process, which sends goals to the server."""
+    """Client of a ROS action whose server is in this process, without ROS itself."""
 
     def __init__(self, kind: str, server: Callable[[], LocalAction | None]) -> None:
         """Take the type of the action, and a function that returns the action's server; None without a

@@ -175,7 +175,9 @@ class JointLag:
         self._is_moved_otherwise = False
 
     def note(self, commanded: float, read: float) -> None:
-        """Record commanded and measured motion since the start, in [rad] or [m]; called once a period."""
+        """Record a joint's commanded and measured motion since the start, in [rad] or [m]; called once a
+        period.
+        """
         if math.isnan(self._commanded) and abs(commanded) >= self._passed:
             self._commanded = self._number
         if math.isnan(self._commanded):

@@ -22,7 +22,11 @@ class Level(NamedTuple):
 
 
 class Runs(Protocol):
-    """Interface of runs that can be stopped at a level of importance and continued from it several times."""
+    """Interface of runs for multilevel splitting, which can be stopped at a level and continued from it
+    several times.
+
+    A level is a number of used attempts, by which a run has come nearer to a rare outcome.
+    """
 
     def advance(self, level: int, starts: IndexArray | int) -> Level:
         """Continue runs until they end or reach a level, and keep their states at the level.

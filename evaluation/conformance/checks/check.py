@@ -50,7 +50,7 @@ class CheckResult:
 
 @dataclass(frozen=True)
 class Check:
-    """Requirement that every backend must meet, with the function that checks it."""
+    """Conformance check, with the property that every backend must have and the function that tests it."""
 
     name: str
     holds: str

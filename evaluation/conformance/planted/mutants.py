@@ -30,7 +30,9 @@ HANG_LIMIT_S = 15.0
 
 @dataclass(frozen=True)
 class Caught:
-    """Result of testing whether the conformance kit finds one mutant."""
+    """Result of testing whether the conformance kit finds one mutant (backend or primitive with a planted
+    fault).
+    """
 
     name: str
     lie: str

@@ -115,7 +115,7 @@ class LiveView(RunObserver):
                 pass
 
     def end(self) -> None:
-        """Draw the last frame, which stays on the page."""
+        """Draw the state at the end of the run, which stays on the page."""
         if self._folder is not None:
             forget_address(self._folder)
         if self._drawing is not None:

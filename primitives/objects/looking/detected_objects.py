@@ -51,10 +51,8 @@ def detect_all(
 def explained(
     found: Sequence[Standing], detected: Sequence[DetectedObject], base_T_surface: Transform
 ) -> list[Standing]:
-    """Return the things on a surface, with kind and pose taken from the detections at the place of each.
-
-    A thing without a detection keeps the kinds that fit its size. Detections of one kind in several pictures
-    are fused.
+    """Return the things on a surface, with kind and pose taken from the detections that are where the thing
+    is.
 
     Args:
         found: things that were seen in the depth pictures.

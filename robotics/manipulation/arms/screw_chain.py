@@ -56,7 +56,8 @@ class ScrewChain(NamedTuple):
 
     @property
     def reach(self) -> float:
-        """Upper bound of the tip's distance from the point on the first axis, in [m]."""
+        """Upper bound of the distance of the tip from the point `points[0]` on the first joint axis, in [m].
+        """
         knots = np.vstack((self.points, self.base_T_tip[:3, 3]))
         return float(np.linalg.norm(np.diff(knots, axis=0), axis=1).sum())
 
@@ -66,8 +67,8 @@ CHAIN_TYPES = Fields(ScrewChain, "(f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], f8[
 
 
 class ChainPosture(NamedTuple):
-    """Joint angles of a chain, with memory for the tip's pose and Jacobian that compiled functions
-    compute.
+    """Joint angles of an arm (`ScrewChain`), with arrays into which compiled functions write the tip's pose
+    and Jacobian.
     """
 
     q: FloatArray

@@ -172,7 +172,12 @@ class Baseline:
             self._then = pose
 
     def begin(self, beams: ScanBeams) -> None:
-        """Replace the scan by a new one, and measure the wheels' travel from this scan on."""
+        """Replace the earlier scan, with which later scans are compared, and measure the wheels' travel from
+        now on.
+
+        Args:
+            beams: scan that takes its place.
+        """
         self._before, self._surface = beams, None
         self._left = self._right = self._sideways = self._way = 0.0
         self._moved, self._fastest = Pose2(0.0, 0.0, 0.0), FASTEST_KEPT * self._fastest

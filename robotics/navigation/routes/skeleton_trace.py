@@ -105,8 +105,8 @@ def link(skeleton: BoolArray) -> tuple[IntArray, ByteArray]:
         skeleton: (h, w) mask, False all along the border.
 
     Returns:
-        The cells (n,) as flat indices, and links (h * w,): bit k is set if a cell is linked to its k-th
-        neighbour.
+        The cells (n,) as flat indices, and links (h * w,): bit k is set if a cell is linked to the
+        neighbour at step k of `neighbour_steps`.
     """
     cells = np.flatnonzero(skeleton).astype(np.int64)
     links = np.zeros(skeleton.size, dtype=np.uint8)

@@ -58,15 +58,15 @@ def _solved(A: FloatArray, change: FloatArray) -> FloatArray:
 
 
 def drift(times: FloatArray, motions: FloatArray, references: int) -> FloatArray:
-    """Return smooth motions (k, 3) that are fitted to noisy ones: quadratic in time, and zero at the
-    reference.
+    """Return motions (k, 3) of a sensor that are smooth, fitted to noisy ones.
 
-    The noise of the reference shifts all motions by the same amount, which is estimated too.
+    They are quadratic in time, and zero at the time of the reference scan since which motion is measured. The
+    noise of the reference scan shifts all motions by the same amount, which is estimated too.
 
     Args:
-        times: (k,) times since the reference, ascending, in [s].
+        times: (k,) times since the reference scan, ascending, in [s].
         motions: (k, 3) reference_T_sensor of single scans: x, y in [m] and heading in [rad].
-        references: number of scans over which the reference was averaged.
+        references: number of scans over which the reference scan was averaged.
     """
     scale = max(float(times[-1]), 1e-9)
     powers = np.column_stack([times / scale, (times / scale) ** 2, np.ones(len(times))])

@@ -94,7 +94,9 @@ class TrackedScan(NamedTuple):
 
 
 class MovingTracks:
-    """Tracker of all bodies with the size of a person or a cart; it separates moving bodies from others."""
+    """Tracker of all bodies in lidar scans that have the size of a person or a cart; it separates moving
+    bodies from others.
+    """
 
     def __init__(self, reach: float) -> None:
         """Track bodies up to a distance from the lidar, in [m]."""
