@@ -52,7 +52,9 @@ class TopicController(JointController):
 
 
 class TrajectoryController(JointController):
-    """Controller that is commanded by goals of the action `FollowJointTrajectory`, each with one point."""
+    """Arm controller that is commanded by goals of the ROS action `FollowJointTrajectory`, each with one
+    trajectory point.
+    """
 
     def __init__(self, link: Link, stream: GoalStream) -> None:
         """Send goals to a stream."""

@@ -20,10 +20,11 @@ class Bodies:
                 self._by_class |= domain.imported(domain_.physics)
 
     def of(self, what: object, default: Any) -> Any:
-        """Return the class that represents an object in a physics engine.
+        """Return the class whose instances represent an object of the scene in a physics engine.
 
         Args:
-            what: a thing or props; a class for one of its base classes is used if it has none of its own.
+            what: a movable thing, or the props (all things of an application domain); a class for one of its
+                base classes is used if it has none of its own.
             default: result if no class represents the object.
         """
         found = (self._by_class[kind] for kind in type(what).__mro__ if kind in self._by_class)

@@ -51,7 +51,9 @@ class BlockNotes:
 
 
 class BlockSurvey(Survey):
-    """Survey of the blocks' position errors, and of the base's true attitude at each grip and release."""
+    """Observer that evaluates the position errors of placed blocks, and the base's true attitude at each grip
+    and release.
+    """
 
     name = "blocks"
     effects = BLOCK_EFFECTS

@@ -15,7 +15,8 @@ from .wall_planning import WallPlan
 
 
 def draw_wall(plan: WallPlan, radius: float, target: Path) -> None:
-    """Draw the floor from above with the stops, and the front of the wall with the numbers of the blocks.
+    """Draw the floor from above with the places where the base stops, and the front of the wall with the
+    numbers of the blocks.
 
     Args:
         plan: plan of the wall.

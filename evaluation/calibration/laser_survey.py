@@ -54,7 +54,9 @@ class LaserSurvey:
         self._left: list[SpotShift] = []
 
     def look(self, robot: Robot) -> None:
-        """Read the spots if the arm is at rest; called once a period."""
+        """Read the laser's spots on the walls when the arm has come to rest, and count the arm's swings;
+        called once a period.
+        """
         command = robot.arm.command()
         same = np.array_equal(command, self._command)
         self._command, self._stood = command, self._stood + 1 if same else 0

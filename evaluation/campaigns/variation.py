@@ -80,7 +80,7 @@ class Varied(FileModel):
         return tuple(int(step) if step.isdecimal() else step for step in self.key.split("."))
 
     def values(self) -> Sequence[float] | None:
-        """All values of the list or grid; None for a distribution."""
+        """All values that the list or grid gives to the varied number; None if a distribution gives them."""
         if self.grid is not None:
             step = (self.grid.most - self.grid.least) / (self.grid.count - 1)
             return [self.grid.least + number * step for number in range(self.grid.count)]

@@ -32,7 +32,9 @@ Result = CheckResult | Caught | Broken | list[FaultTrial] | Ran
 
 @dataclass(frozen=True)
 class KitReport:
-    """Results of all parts of the conformance kit on one backend."""
+    """Results of all checks, fault trials, mutants and tasks with which the conformance kit has tested one
+    backend.
+    """
 
     backend: str
     robot: str

@@ -48,7 +48,7 @@ class TotalStation:
         """Number of readings at which the reflector was hidden."""
 
     def look(self) -> None:
-        """Take a reading if one is due; called once a period."""
+        """Measure the reflector on the robot's hand if a measurement is due; called once a period."""
         if (count := self._due()) <= self._count:
             return
         self._count = count

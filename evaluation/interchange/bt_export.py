@@ -121,7 +121,7 @@ def is_own_tree(root: XmlElement) -> bool:
 
 
 def parts_of_tree(root: XmlElement) -> TaskParts:
-    """Return the task from which a behaviour tree was exported.
+    """Return the parts of the task's file from which a behaviour tree was exported, out of the tree itself.
 
     Raises:
         LookupError, TypeError, ValueError: the tree was edited and no longer is a task.

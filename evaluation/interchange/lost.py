@@ -24,7 +24,9 @@ class LostConstruct(NamedTuple):
 
 
 class Imported(NamedTuple):
-    """Task that was imported from another format, with the constructs that it could not express."""
+    """Task that was imported from a file in another format, with those constructs of the file that a task
+    cannot express.
+    """
 
     data: dict[str, Any]
     """Content of the task's file."""

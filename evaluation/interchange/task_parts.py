@@ -29,7 +29,7 @@ class TaskParts:
 
     @classmethod
     def of_data(cls, data: Mapping[str, Any]) -> TaskParts:
-        """Split the content of a task's file into its parts."""
+        """Split the content of a task's file into situations, actions and other keys."""
         head = {key: value for key, value in data.items() if key not in ("situations", "actions")}
         return cls(head, data["situations"], data["actions"], list(data))
 

@@ -191,7 +191,8 @@ class Survey(ABC):
         """
 
     def draw(self, folder: Path) -> None:
-        """Draw pictures into the folder of a run that has ended; its page shows each `*.svg`.
+        """Draw pictures into the folder of a run that has ended; the page of the run's report shows each
+        `*.svg`.
 
         Raises:
             OSError: writing failed, for example because the disk is full.

@@ -22,7 +22,8 @@ FileModelT = TypeVar("FileModelT")
 
 @dataclass(frozen=True)
 class Loaded(Generic[FileModelT]):
-    """Checked content of a file, with the document from which later checks take the lines of their findings.
+    """Checked content of a file, with the document from which later checks take the lines of their
+    findings.
     """
 
     value: FileModelT

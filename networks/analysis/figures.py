@@ -84,7 +84,8 @@ def network_chances(task: Task) -> list[Chance | None]:
 
 
 def missing_chances(task: Task) -> list[int]:
-    """Return the numbers (from 0, in the order of the task's file) of the actions without a probability `p`.
+    """Return the numbers (from 0, in the order of the task's file) of the actions without a probability
+    `p`.
     """
     return [number for number, entry in enumerate(task.file.actions) if entry.p_success is None]
 

@@ -33,7 +33,9 @@ class Ends(NamedTuple):
         return Ends(*(step.then(item) for item in self))
 
     def plus(self, other: Ends) -> Ends:
-        """Return the ends of runs that pass one of two parts, by adding the ends of both."""
+        """Return the ends of runs that pass either one part of the network or the other, by adding the ends
+        of both parts.
+        """
         return Ends(*(a + b for a, b in zip(self, other, strict=True)))
 
     def then(self, rest: Ends) -> Ends:

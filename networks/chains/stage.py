@@ -53,8 +53,11 @@ class Stage:
         return *counts, others, p, fails, (a.p_success, a.p_give_up) if fails else ()
 
     def with_one_more(self, numbers: Collection[int]) -> Stage:
-        """Return the stage with one more attempt of some actions, given by their numbers in the complete
-        network.
+        """Return this piece of the network with one more attempt for some actions, and for those that share
+        attempts with them.
+
+        Args:
+            numbers: numbers of the actions in the complete network.
         """
         pairs = zip(self.network.actions, self.numbers, strict=True)
         counters = {action.counter for action, number in pairs if number in numbers}

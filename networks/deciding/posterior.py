@@ -75,7 +75,11 @@ class OutcomeCounts(NamedTuple):
 
     @property
     def result_weights(self) -> tuple[float, ...]:
-        """Parameters of the Dirichlet distribution of a Success's results, that of `Action.target` first."""
+        """Weights of the results that a Success may have, the parameters of their Dirichlet distribution.
+
+        The first weight is for the result that leads to `Action.target`. A weight is the result's count plus
+        its share of the prior.
+        """
         return tuple(PRIOR_SUCCESS / len(self.by_result) + count for count in self.by_result)
 
 

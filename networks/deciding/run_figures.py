@@ -83,10 +83,11 @@ def rule_price(process: Process, forecaster: Forecaster, forecast: Forecast) -> 
 
 
 def best_figures(process: Process, policy: Policy, name: str, walks: bool = True) -> PolicyFigures:
-    """Return the expected results of runs of a policy; in states missing in it, a person is called.
+    """Return the expected results of runs that follow a policy; in a state for which it has no decision, a
+    person is called.
 
     Args:
-        process: the network with its prices.
+        process: the network with the costs of its actions and of its ends.
         policy: the decisions.
         name: name of the policy.
         walks: whether to estimate, from random walks, the time within which 95 % of the runs end.

@@ -72,7 +72,7 @@ class StateTable:
 
     @property
     def high(self) -> FloatArray:
-        """(states,) upper bounds of the least expected cost, in [s]."""
+        """(states,) upper bound of the least expected cost from each state to the end of the run, in [s]."""
         return self._high.all
 
     @property
@@ -267,7 +267,12 @@ class StateTable:
         return np.repeat(acting, count), self._to.all[places], p
 
     def action(self, option: int) -> int:
-        """Return the index in `StateRows.actions` of an option's action."""
+        """Return the action of an option (an action that can be started in a state of the table), as its
+        index in `StateRows.actions`.
+
+        Args:
+            option: number of the option in the table.
+        """
         return int(self._action.all[option])
 
     def prices(self, states: IntArray, options: IntArray) -> FloatArray:

@@ -123,7 +123,7 @@ class ConditionInterrupt(InterruptEntry):
 
 
 class AimsHead(FileModel):
-    """Keys for time-out and rounds, which the file of any task may have."""
+    """Keys for time-out and repetition ("rounds") of a task, which the file of any task may have."""
 
     time_out_s: Seconds | None = None
     """Time of a run, or of each of its rounds, after which the goal is abandoned (status 3)."""

@@ -95,7 +95,11 @@ class Aims:
 
     @classmethod
     def of(cls, fields: dict[str, Any]) -> Aims:
-        """Return the aims in a journal's header; raises LookupError, TypeError for invalid ones."""
+        """Return time-out, rounds and interrupts of a task from a journal's header.
+
+        Raises:
+            LookupError, TypeError: the header's fields are invalid.
+        """
         rounds = fields.get("rounds")
         every = [dict(item) for item in fields.get("interrupts", ())]
         return cls(

@@ -316,10 +316,7 @@ class ActionNetwork:
 
     @cached_property
     def may_circle(self) -> bool:
-        """True if runs may return to the same situation by chance, as often as they like.
-
-        That is so if a Success may lead to several situations, or if an action may Fail any number of times.
-        """
+        """True if there is no limit to how often a run can come back to the same situation."""
         return any(action.others or action.unlimited for action in self.actions)
 
     def fingerprint(self) -> str:

@@ -57,7 +57,9 @@ def seal(body: bytes, wall: Mapping[str, Any]) -> tuple[bytes, str]:
 
 
 def without_wall(record: dict[str, Any]) -> dict[str, Any]:
-    """Return a record without its times of the wall clock, as it is equal in two runs of one seed."""
+    """Return a record of a journal without its times of the wall clock, so that it is equal in two runs with
+    the same seed.
+    """
     return {key: value for key, value in record.items() if key != "wall"}
 
 

@@ -183,7 +183,7 @@ class StopRecord(TypedDict):
 
 @with_config(_OPEN)
 class Restore(TypedDict):
-    """Record that the running action begins to restore the state at its start."""
+    """Journal's record that the running action begins to restore the state in which it found the robot."""
 
     n: Number
     reason: str

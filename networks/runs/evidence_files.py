@@ -43,7 +43,9 @@ class EvidenceFiles(RunObserver):
         """Reason why nothing more is kept after the disk refused a write; the run continues."""
 
     def event(self, event: Event) -> None:
-        """Write the evidence of an action that has ended."""
+        """Handle the event that an action has ended: save the pictures and points by which its outcome was
+        decided, and after a Success also its calibration values.
+        """
         if isinstance(event, Ended):
             evidence = event.primitive.evidence
             try:

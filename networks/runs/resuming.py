@@ -74,7 +74,9 @@ class Past:
         return [*records, ("EPOCH", epoch, {})]
 
     def doubts(self) -> Iterator[str]:
-        """Yield descriptions of effects of an interrupted action of which it is unknown if they happened."""
+        """Yield descriptions of facts that are unknown after an interruption, such as whether an effect of
+        the interrupted action has happened.
+        """
         doubt = self.standing.in_doubt
         if doubt is None:
             return

@@ -67,14 +67,14 @@ def with_all(document: Document, entry: str, names: Collection[object]) -> Docum
 
 
 def goes_over_unknown(document: Document) -> bool:
-    """Return whether a repeat of a task iterates over `{all: ENTRY}` for which no list was substituted
-    yet.
+    """Return whether a task repeats actions over a list `{all: ENTRY}` that was not yet replaced by its
+    names.
     """
     return any(reference(document.root.deepest(over)[0], "all") is not None for over in _overs(document))
 
 
 def repeat_count(document: Document) -> int:
-    """Return the number of entries under `repeat`, valid or not."""
+    """Return the number of lists over which a task repeats actions (key `repeat`), valid or not."""
     repeats = document.root.child(REPEAT_KEY)
     return len(repeats.content) if repeats and isinstance(repeats.content, list) else 0
 

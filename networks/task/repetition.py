@@ -28,10 +28,13 @@ class UnknownElement(LookupError):
 
 
 def found_in(each: str, element: Element | None) -> tuple[KeyPath, Any]:
-    """Return the position and value that `{each: NAME}` or `{each: NAME.KEY}` refers to.
+    """Return key path and value of the element of a list to which a reference such as `{each: NAME.KEY}`
+    refers.
+
+    NAME is the name that a task's file gives to the elements of a list over which it repeats actions.
 
     Raises:
-        UnknownElement: no surrounding element has that name, or it has no such key.
+        UnknownElement: no surrounding list has an element of that name, or the element has no such key.
     """
     known = {} if element is None else {one.name: one for one in element.chain()}
     name, *keys = each.split(".")

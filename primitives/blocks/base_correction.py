@@ -208,7 +208,9 @@ class Servo(FixOnce):
 
 
 class OnRobot(FixOnce):
-    """Placing on the robot's own table, which turns and tilts with the base and needs no correction."""
+    """Placing of a block on the robot's own table, which turns and tilts with the base, so that no correction
+    is needed.
+    """
 
     @override
     def base_T_block(self, robot: Robot, model: ModelView, goal: LevelPose, swings_to_come: int) -> Transform:

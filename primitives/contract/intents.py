@@ -18,7 +18,7 @@ class Intents:
 
     @property
     def kept(self) -> bool:
-        """True if all announcements so far are stored, so that a crash does not lose them."""
+        """True if all effects announced so far are stored, so that a crash does not lose them."""
         return True
 
 

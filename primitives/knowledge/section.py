@@ -148,8 +148,7 @@ class Section:
     def places(self) -> Mapping[str, Place]:
         """Return the places that the domain's files add to those of the map, by name.
 
-        Places that depend on the robot are contained once `fit` has computed them. The names of all these
-        places are returned by `names` as well, as those of the kind "places".
+        Places that depend on the robot are included only after `fit` has computed them.
         """
         return {}
 
@@ -201,7 +200,7 @@ class Section:
         return None
 
     def contacts_on_the_way(self, place: str) -> Sequence[MeantContact]:
-        """Return the intended contacts of the arm's motion while the base drives to a place."""
+        """Return the contacts that are intended while the arm moves during a drive of the base to a place."""
         return ()
 
     def noted(self) -> dict[str, Any]:

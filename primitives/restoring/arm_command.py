@@ -57,7 +57,8 @@ def _step_evenly(robot: Robot, goal: FloatArray) -> Generator[None, None, None]:
 
 
 def moves_fingers(robot: Robot, moment: Moment) -> bool:
-    """Return whether the fingers' command at a moment of a recorded motion differs from the current command.
+    """Return whether the fingers' command at a moment of a recorded motion differs from the current
+    command.
     """
     gripper = robot.backend.get(Gripper)  # type: ignore[type-abstract]
     return gripper is not None and abs(gripper.command() - moment.grip) > 1e-6

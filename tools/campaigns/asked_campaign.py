@@ -251,7 +251,7 @@ class OpenCampaign:
 
     @property
     def done(self) -> int:
-        """Number of trials so far."""
+        """Number of the campaign's trials that have ended so far."""
         return len(self.log) if self._counted is None else self._counted.count
 
     def report(self) -> CampaignReport:

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 def air_facts(
     name: str, bench: str | None = None, seconds: float = 5.0, bag: Path | None = None
 ) -> dict[str, Any]:
-    """Listen to a robot's ROS 2 topics, and return facts on them; `errors` are differences from the robot's
-    file.
+    """Listen to a robot's ROS 2 topics, and return what was received and, as `errors`, the differences from
+    the robot's file.
 
     Args:
         name: name of the robot, or path of its file.

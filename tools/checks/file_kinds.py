@@ -54,7 +54,7 @@ def robots_beside(urdf: Path) -> list[Path]:
 
 
 def model_of(kind: str) -> Any:
-    """Return the model by which files of a kind are checked.
+    """Return the pydantic model that files of a kind, such as a task's or a robot's, are checked with.
 
     Raises:
         KeyError: the kind is unknown.

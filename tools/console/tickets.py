@@ -20,7 +20,9 @@ class Ticket(NamedTuple):
 
 
 class Tickets:
-    """Collection of the tickets that were issued and are not used yet."""
+    """Collection of one-time permissions (tickets) to open a file of a run in the browser without the access
+    token.
+    """
 
     def __init__(self) -> None:
         """Create an empty collection."""

@@ -75,7 +75,7 @@ class Bench:
         return self.master
 
     def serve(self) -> None:
-        """Let the drives receive and answer all frames sent to them."""
+        """Let the simulated drives receive all frames that were sent to them, and answer."""
         self._drives.serve()
 
     def tick(self, seconds: float) -> None:

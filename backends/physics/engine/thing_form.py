@@ -67,8 +67,8 @@ Piece = Cuboid | Rod | Wedge
 
 
 class Sticks(NamedTuple):
-    """Contact stiffness and damping for a body that has to stay at its place under small forces, by static
-    friction.
+    """Contact stiffness and damping for a body that static friction has to keep at its place under small
+    forces.
     """
 
     stiffness: float

@@ -71,7 +71,7 @@ class ServedGoal(Protocol):
         """True if the client has requested to cancel the goal."""
 
     def new_result(self) -> Any:
-        """Return an empty result message of the action's type."""
+        """Return an empty result message of the ROS action's type, to be filled in and sent."""
 
     def end(self, state: GoalStage, result: Any) -> None:
         """Set the final state of the goal, and send its result.

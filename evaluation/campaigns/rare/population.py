@@ -75,7 +75,10 @@ class Population(NamedTuple):
 
 
 def split(runs: Runs, count: int, draws: np.random.Generator) -> Population:
-    """Run a population from level to level (multilevel splitting) until no run reaches the next level.
+    """Run a population of simulated runs from level to level towards a rare outcome, until no run reaches the
+    next level.
+
+    This is multilevel splitting: runs that reach a level are continued several times from there.
 
     Args:
         runs: runs that have not started.

@@ -62,10 +62,10 @@ class RateClaim:
 
 
 class Settling:
-    """State of a claim about the success rate while parallel trials end in any order.
+    """State of the test of a claim about the success rate, while parallel trials end in any order.
 
-    Trials are counted in the order of their seeds, with a verdict after each, so that the counted trials do
-    not depend on how long trials take.
+    Trials are counted in the order of their seeds, with a verdict on the claim after each, so that the
+    counted trials do not depend on how long trials take.
     """
 
     def __init__(self, claim: RateClaim, seeds: Sequence[int]) -> None:

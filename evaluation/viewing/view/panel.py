@@ -72,7 +72,8 @@ class Panel:
     def know(
         self, network: ActionNetwork | None, actions: Sequence[PastAction], why: Why | None = None
     ) -> None:
-        """Replace the network and the outcomes of its actions, which `show` draws from then on.
+        """Replace the network, and the actions of the run with their outcomes, from which the panel is drawn
+        from then on.
 
         Args:
             network: the network; None if it is not known.

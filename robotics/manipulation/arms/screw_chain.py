@@ -56,7 +56,8 @@ class ScrewChain(NamedTuple):
 
     @property
     def reach(self) -> float:
-        """Upper bound of the distance of the tip from the point `points[0]` on the first joint axis, in [m].
+        """Upper bound of the distance of the tip from the point `points[0]` on the first joint axis, in
+        [m].
         """
         knots = np.vstack((self.points, self.base_T_tip[:3, 3]))
         return float(np.linalg.norm(np.diff(knots, axis=0), axis=1).sum())

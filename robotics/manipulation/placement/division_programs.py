@@ -137,11 +137,12 @@ def farthest_run(usable: BoolArray, joined: BoolArray, first: int) -> tuple[int,
 
 @compiled
 def segment_score(values: SingleArray, steps: FloatArray, placement: int, first: int, last: int) -> float:
-    """Return the integral of one placement's scores between two points, in [m].
+    """Return the integral, between two points of a path, of the scores that one base pose (its placement) has
+    there, in [m].
 
     Args:
-        values: (p, b) scores of points from placements, from 0 to 1.
-        steps: (p-1,) lengths of the steps, in [m].
+        values: (p, b) scores, from 0 to 1, of each point of the path from each placement.
+        steps: (p-1,) distances of neighbouring points of the path, in [m].
         placement: column of the placement.
         first: index of the first point.
         last: index of the last point.

@@ -45,8 +45,8 @@ class Explained(NamedTuple):
 
     @property
     def log_likelihood(self) -> FloatArray:
-        """Natural logarithm of the scan's likelihood at each pose, (n,); 0 if all beams agree with the
-        map.
+        """Natural logarithm of the likelihood (n,) of the scan at each of n poses; 0 if all beams agree with
+        the map.
         """
         cost = math.log(SHORT_ODDS) * self.short + math.log(THROUGH_ODDS) * self.through
         return np.asarray(-self.independent * cost)

@@ -98,7 +98,9 @@ class WheelCheck:
             baseline.roll(left, right, sideways)
 
     def note_pose(self, pose: Pose2) -> None:
-        """Set the best estimate of map_T_base in this period; to be called after `take`."""
+        """Set the estimate of map_T_base after this period's scan was taken into account; called after
+        `take`.
+        """
         for baseline in self._baselines:
             baseline.note_pose(pose)
 
@@ -165,8 +167,8 @@ class Baseline:
         self._fastest = np.maximum(self._fastest, _size(step))
 
     def note_pose(self, pose: Pose2) -> None:
-        """Set the estimated map_T_base; it becomes the pose of the kept scan, unless the wheels have moved
-        since this scan.
+        """Set the estimated map_T_base; it becomes the pose of the earlier scan, unless the wheels have moved
+        since that scan.
         """
         if self._way == 0.0 and self._sideways == 0.0:
             self._then = pose

@@ -43,14 +43,15 @@ class MapComparison(NamedTuple):
     """
 
     def figures(self, distances: FarArray) -> tuple[float, float, float]:
-        """Return median and 95 % quantile of the distances of walls on both maps, in [m], and the share of
-        missing walls.
+        """Return median and 95 % quantile of the distances of walls that are on both maps, in [m], and the
+        share of missing walls.
 
-        A wall cell is on both maps if its distance is at most `SAME_WALL_M`; other cells are missing from the
-        other map.
+        A wall cell is on both maps if its distance from a wall of the other map is at most `SAME_WALL_M`.
+        Otherwise it is missing, unless the other map does not know the place.
 
         Args:
-            distances: (n,) `first` or `second`, in [m].
+            distances: (n,) distance of each wall cell of one map to the nearest wall cell of the other, in
+                [m]; infinity where the other map is unknown.
         """
         known = distances[np.isfinite(distances)]
         near = known[known <= SAME_WALL_M]

@@ -96,8 +96,9 @@ def field_step(
 
     Args:
         mean: (13,) states before the step, in SI units.
-        advance: (6,) fields of an `Advance`: forward in [m], turn and drift in [rad], time and rest in [s],
-            still in [rad].
+        advance: (6,) fields of an `Advance`: travel forward in [m]; turn, and the turn by the known gyro
+            bias, in [rad]; duration, and its part at rest, in [s]; turn measured by the gyro at rest in
+            [rad].
         new_leg: True if the base changed its direction of driving.
         figures: (11,) parameters of the noise in SI units, in the order of `FieldModel.figures`.
     """
@@ -162,8 +163,9 @@ def went_on(
     Args:
         mean: (13,) states before the step, in SI units.
         covariance: (13, 13) of the states before the step, in SI units.
-        advance: (6,) fields of an `Advance`: forward in [m], turn and drift in [rad], time and rest in [s],
-            still in [rad].
+        advance: (6,) fields of an `Advance`: travel forward in [m]; turn, and the turn by the known gyro
+            bias, in [rad]; duration, and its part at rest, in [s]; turn measured by the gyro at rest in
+            [rad].
         new_leg: True if the base changed its direction of driving.
         figures: (11,) parameters of the noise in SI units, in the order of `FieldModel.figures`.
     """

@@ -20,7 +20,7 @@ ODOMETRY_ERROR_RATIO = 0.02  # of the way: error of the odometry itself
 
 
 class FoundTrack(NamedTuple):
-    """Pose of the robot computed from rejected fixes, with its covariance."""
+    """Pose of the robot computed from GNSS fixes that the filter has rejected, with its covariance."""
 
     pose: Pose2
     covariance: FloatArray

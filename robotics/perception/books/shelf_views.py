@@ -34,7 +34,7 @@ class ShelfBook(NamedTuple):
 
     @property
     def centre(self) -> float:
-        """Lateral middle between the book's edges in the shelf frame, in [m]."""
+        """Lateral position y of the middle between the book's edges, in the shelf frame, in [m]."""
         return (self.left + self.right) / 2
 
 

@@ -95,7 +95,9 @@ def find_slots(
 
 
 class OffsetView(NamedTuple):
-    """View of the shelf, with an offset in [m] that is added to its y so that it agrees with other views."""
+    """View of the shelf, with an offset in [m] that is added to lateral positions y in this view so that they
+    agree with other views.
+    """
 
     view: SpineView
     offset: float

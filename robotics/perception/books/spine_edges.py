@@ -44,7 +44,10 @@ class Strips(NamedTuple):
         return Strips(self.grey[:, ::-1], self.z, last, self.m_per_px, -self.sign)
 
     def lateral(self, column: float) -> float:
-        """Return the lateral position y in the shelf frame, in [m], of a column of the strips, in [px]."""
+        """Return the position y in the shelf frame, in [m], of a column of a strip of the picture, in [px].
+
+        Strips are horizontal and run along the shelf.
+        """
         return self.left + self.sign * column * self.m_per_px
 
     def above(self, height: float) -> Strips:
