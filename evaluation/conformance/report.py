@@ -109,7 +109,7 @@ class KitReport:
 
     @property
     def planted(self) -> list[Caught]:
-        """Results of the mutants (backends with a planted fault) that the kit could try on this robot.
+        """Results of the mutants (backends or primitives with a planted fault) that were tried on this robot.
 
         Other mutants need parts that the robot lacks.
         """

@@ -160,8 +160,9 @@ class Survey(ABC):
         return []
 
     def notes(self) -> Any:
-        """Return the observations that a continued run needs and cannot repeat, as an object of the class in
-        `noted`.
+        """Return the observations that a continued run needs and cannot repeat.
+
+        They are a value of the type that the class attribute `noted` names.
         """
 
     def go_on(self, noted: Any) -> None:

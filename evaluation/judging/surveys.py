@@ -121,9 +121,7 @@ class Surveys:
             pass
 
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
-        """Compare the outcome of an action that has ended with the ground truth, and return a message for
-        each difference.
-        """
+        """Return a message for each claim of an ended action's outcome that contradicts the ground truth."""
         after = self.run.robot.backend.ground_truth()
         wrong: list[str] = []
         if self._before is not None and after is not None:

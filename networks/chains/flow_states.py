@@ -17,8 +17,8 @@ MAX_CODE = 2**62
 
 
 class FlowStates(NamedTuple):
-    """States of a network that its runs come to, each with the probability and the cost of the runs so
-    far.
+    """States of a network, each with the probability that a run comes to it, and the run's cost up to
+    there.
     """
 
     counts: Uint16Array

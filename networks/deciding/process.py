@@ -116,7 +116,7 @@ class Process:
         ]
 
     def step(self, state: State, action: Action) -> Step:
-        """Return an action, done in a state of a run, with the states to which its results lead."""
+        """Return the step in which a run does an action in a state, with the states that may follow."""
         fails = state.fails
         succeeded = self.after.successes(action, fails)
         chance = None if action.binding is None else self.chances[action.index]

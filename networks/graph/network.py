@@ -316,7 +316,10 @@ class ActionNetwork:
 
     @cached_property
     def may_circle(self) -> bool:
-        """True if there is no limit to how often a run can come back to the same situation."""
+        """True if there is no limit to how often a run can come back to the same situation.
+
+        That is so if a Success may lead to several situations, or if an action may Fail any number of times.
+        """
         return any(action.others or action.unlimited for action in self.actions)
 
     def fingerprint(self) -> str:

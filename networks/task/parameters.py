@@ -54,7 +54,7 @@ def with_listed_repeats(document: Document) -> Document:
 
 
 def with_all(document: Document, entry: str, names: Collection[object]) -> Document:
-    """Return a task's document in which each key `repeat` for `{all: ENTRY}` gets the list `names` instead.
+    """Return a task's document in which `names` replace `{all: ENTRY}` as the list to repeat actions over.
 
     ENTRY is an entry of the world model, such as `places`; only references to `entry` are replaced.
     """

@@ -127,8 +127,9 @@ def check(
 
 
 def check_quietly(file: Path) -> dict[str, Any]:
-    """Check a file without the checks that take seconds, and return the file's properties and findings for
-    JSON.
+    """Check a file without the checks that take seconds, and return the file's properties for JSON.
+
+    It raises the errors that `check` would report.
     """
     return file_facts(file, {}, CheckOptions(quick=True))
 

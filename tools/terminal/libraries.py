@@ -40,7 +40,10 @@ _REQUIRED = re.compile(
 
 
 class NoLibrary(InputError):
-    """Error: a library that handcart needs is missing, too old, or can't be imported."""
+    """Error: a library that handcart needs is missing, too old, or can't be imported.
+
+    The exit status is 2 (row K13 of docs/reference/faults.md).
+    """
 
     def __init__(self, wrong: Iterable[str], install: Iterable[str]) -> None:
         line = " ".join(f"'{text}'" for text in install)

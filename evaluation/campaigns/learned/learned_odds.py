@@ -116,7 +116,8 @@ def best_pooling(task: Task, seen: SeenActions) -> float:
     """Return the weight w of pooled counts in `LearnedOdds` that has the largest likelihood in a
     cross-validation.
 
-    With w, outcomes of an action in all contexts count in a rare context. The cross-validation is five-fold.
+    A larger w gives an action's outcomes in all contexts (such as after two Fails) more weight in a rare
+    context. The cross-validation is five-fold.
     """
     scores = dict.fromkeys(POOLING_WEIGHTS, 0.0)
     numbers = np.arange(len(seen.success))

@@ -56,8 +56,8 @@ class Rehearsal:
         return rehearsed(load_task(self.task, self.settings))
 
     def attempts(self) -> Iterator[tuple[int, str, Underway]]:
-        """Yield an attempt of each action in the order of the task, which has not started yet, with the
-        action's number (from 1) and name.
+        """Yield for each action, in the task's order, its number (from 1), its name, and an attempt that has
+        not started yet.
 
         If the caller has not finished an attempt, the next iteration runs it to its end.
 
@@ -93,9 +93,9 @@ class Solo:
     seed: int = 0
 
     def attempts(self) -> Iterator[tuple[int, str, Underway]]:
-        """Set up a robot in a new world, and yield one attempt of the primitive, which has not started yet.
+        """Set up a robot in a new world, and yield one attempt of the primitive that has not started yet.
 
-        It is yielded with the attempt's index, which is 0, and the primitive's name.
+        The attempt comes after its number, which is 0, and the primitive's name.
         """
         with self.bench.rig(self.seed) as rig:
             faulty = FaultyBackend(rig.backend)

@@ -93,5 +93,8 @@ class LogHeader(FileModel):
 
     @property
     def quantities(self) -> dict[str, tuple[str, ...]]:
-        """Names of the quantities that a column of the log may hold, each with its allowed kinds of unit."""
+        """Names of the quantities that a column of the log may hold, each with its allowed kinds of unit.
+
+        The range to each beacon is a quantity of its own.
+        """
         return dict.fromkeys(self.range_columns, ("length",)) | COLUMN_QUANTITIES

@@ -33,8 +33,8 @@ ESTIMATE_LABEL = "where it believes to be"
 
 
 class Page:
-    """Page in the browser, on a viser server, that shows robot and world; each update draws the next
-    period.
+    """Page in the browser, on a viser server, that shows robot and world; each update draws a later state
+    of both.
     """
 
     def __init__(

@@ -72,8 +72,8 @@ class Panel:
     def know(
         self, network: ActionNetwork | None, actions: Sequence[PastAction], why: Why | None = None
     ) -> None:
-        """Replace the network, and the actions of the run with their outcomes, from which the panel is drawn
-        from then on.
+        """Replace the network, and the actions of the run with their outcomes, that the panel shows from now
+        on.
 
         Args:
             network: the network; None if it is not known.

@@ -51,8 +51,10 @@ def detect_all(
 def explained(
     found: Sequence[Standing], detected: Sequence[DetectedObject], base_T_surface: Transform
 ) -> list[Standing]:
-    """Return the things on a surface, with kind and pose taken from the detections that are where the thing
-    is.
+    """Return the things on a surface, each with kind and pose from the detections at the thing's place.
+
+    A thing without a detection keeps the kinds that fit its size. Detections of one kind in several pictures
+    are fused.
 
     Args:
         found: things that were seen in the depth pictures.

@@ -23,7 +23,7 @@ from .tracking_limits import ArmLoad, LimitUse
 
 
 class TimedTracking(NamedTuple):
-    """Set-points of the arm along a path, one each control period; it is at rest at both ends of the path."""
+    """Set-points of the arm along a path, one each control period; the arm is at rest at both ends."""
 
     set_points: FloatArray
     """Joint angles (k, n), one row each period, in [rad]."""

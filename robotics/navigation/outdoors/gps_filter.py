@@ -107,7 +107,7 @@ class GpsFilter(FieldLocalizer):
 
     @property
     def best(self) -> FieldKalman:
-        """Kalman filter of the hypothesis about the base's pose that has the largest weight."""
+        """Kalman filter whose noise model (its hypothesis) is the most likely one so far."""
         return self.filters[int(np.argmax(self._weights))]
 
     @property
