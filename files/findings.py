@@ -18,7 +18,7 @@ class Findings:
         self._findings = list(findings)
 
     def add(self, *findings: Finding) -> None:
-        """Collect findings."""
+        """Add findings to those collected so far."""
         self._findings.extend(findings)
 
     def take(self, error: FileError) -> None:

@@ -63,14 +63,16 @@ def do_primitive(build_rig: Callable[..., Rig]) -> Callable[..., Outcome]:
 
 @pytest.fixture
 def conformance() -> Callable[..., KitReport]:
-    """Provide a function as a fixture that asserts that a backend keeps its contract, as `handcart
-    conformance` does.
+    """Provide a fixture with the checks of `handcart conformance`: a function that asserts that a backend
+    passes them.
 
-    def test_my_backend(conformance):
-        conformance("my_backend", robot="my_robot/robot.yaml", quick=True)
+    `tasks` are task files to test with, `primitives` the names of primitives to test. Examples of tests:
 
-    def test_my_primitive(conformance):
-        conformance("kinematic", tasks=["my_task.yaml"], parts=["faults"], primitives=["WATER"])
+        def test_my_backend(conformance):
+            conformance("my_backend", robot="my_robot/robot.yaml", quick=True)
+
+        def test_my_primitive(conformance):
+            conformance("kinematic", tasks=["my_task.yaml"], parts=["faults"], primitives=["WATER"])
     """
     from handcart.evaluation.conformance.kit import KitSetting, default_robot, run_kit
 

@@ -88,7 +88,7 @@ class DoorHandle(FileModel):
 
     @property
     def width(self) -> float:
-        """Diameter of the bar, in [m]."""
+        """Diameter of the handle's bar, in [m]."""
         return self.width_mm / 1e3
 
     @property

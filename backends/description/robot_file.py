@@ -316,7 +316,7 @@ class RobotFile(SensorTable, OutlinedFile):
 
     @cached_property
     def antenna(self) -> tuple[float, float, float]:
-        """Antenna of the satellite receiver in the base frame, in [m]; (0, 0, 0) without a receiver."""
+        """Position of the GNSS antenna in the base frame, in [m]; (0, 0, 0) without a receiver."""
         if self.gps is None:
             return (0.0, 0.0, 0.0)
         x, y, z = base_T_frame(self.urdf_text(), self.link_of(self.gps))[:3, 3].tolist()

@@ -105,7 +105,7 @@ class SensorTable(FileModel):
 
     @property
     def beacons(self) -> BeaconsSpec | None:
-        """Radio beacons; None without any."""
+        """Description of the radio beacons in the robot's file; None if the file has none."""
         return self.first(BeaconsSpec)
 
     def with_sensors(self, changed: Mapping[str, SensorSpec | None]) -> Self:

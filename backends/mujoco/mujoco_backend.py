@@ -53,7 +53,12 @@ class MujocoBackend(PhysicsBackend):
 
     @classmethod
     def build_in_window(cls, robot: RobotFile, world: Path | WorldFile | None, seed: int) -> MujocoBackend:
-        """Build as `build` does, and show robot and world in a window of MuJoCo's viewer, in real time.
+        """Build a backend that shows robot and world in a window of MuJoCo's viewer, in real time.
+
+        Args:
+            robot: robot file.
+            world: file of the world.
+            seed: seed of simulated errors.
 
         Raises:
             NoWindow: OpenGL is not available on the display.

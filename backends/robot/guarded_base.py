@@ -155,7 +155,8 @@ class GuardedBase(HolonomicBase):
     def may_stand_at(self, pose: Pose2) -> None:
         """Allow the base to come as close to mapped obstacles as it would be at `pose` (map_T_base).
 
-        This holds until `starts_here` is called and the base is commanded again.
+        This holds until the first command to the base after a call of `starts_here`, with which the next
+        motion begins.
         """
         self._begin()
         self._guard.may_stand_at(pose)

@@ -259,7 +259,8 @@ class Robot:
         """Return the points (n, 2) of obstacles in this period's scans, in the base frame, in [m]; empty
         without a lidar.
 
-        Single readings that are too short (noise) are removed and, outdoors, points on a lowered hand.
+        Single readings that are too short (noise) are removed. Outdoors, points on the robot's own lowered
+        hand are removed as well.
         """
         if self.lidar is None:
             return NO_STANDS

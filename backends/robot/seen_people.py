@@ -29,11 +29,12 @@ class SeenPeople:
         localization: Localization,
         suspects: Sequence[BodyTrack] = (),
     ) -> None:
-        """Store the tracks of a scan, and exclude these people from matching the next scan with the map.
+        """Store the people and carts tracked in a scan; the readings on them are excluded when the next scan
+        is matched with the map.
 
         Args:
             time: time of the scan, in [s].
-            tracks: all people and carts.
+            tracks: tracks of all people and carts.
             localization: estimate of the base's pose.
             suspects: bodies that may be people, which are excluded from matching as well.
         """

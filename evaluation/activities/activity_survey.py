@@ -54,7 +54,9 @@ class ActivitySurvey(Survey):
 
     @override
     def faults(self) -> list[str]:
-        """Return a message for each misplaced thing, and for each BDDL condition that does not hold."""
+        """Return a message for each misplaced thing, and for each BDDL condition of the activity's goal that
+        does not hold.
+        """
         wrong, theirs = list(self.misplaced()), self._verdict()
         if isinstance(theirs, Verdict) and not theirs.holds:
             wrong += [f"bddl: not so: {text}" for text in theirs.unsatisfied]

@@ -30,7 +30,12 @@ class ThingRelation(NamedTuple):
 
 
 def entry_of(definition: Definition, term: str) -> CarriedEntry | FurnitureEntry | None:
-    """Return the entry with the size of a thing or piece of furniture; None if its category is unknown."""
+    """Return the entry with the size of a thing or piece of furniture; None if its category is unknown.
+
+    Args:
+        definition: definition of a BDDL activity, which assigns a category to each term.
+        term: name of the thing or piece of furniture in the definition.
+    """
     category, table = definition.category(term), thing_table()
     return table.carried.get(category) or table.furniture.get(category)
 

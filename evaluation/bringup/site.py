@@ -138,9 +138,10 @@ class Site(RobotSite):
 
     @contextmanager
     def backend(self, seed: int = 0) -> Iterator[CanBackend]:
-        """Yield the backend of the robot, whose settings are written and read back; no drive is enabled yet.
+        """Yield a backend that is connected to the robot; no drive is enabled yet.
 
-        A real robot is reserved for this process meanwhile.
+        The settings of the drives have been written and read back. A real robot is reserved for this process
+        until the context ends.
         """
         made = (
             CanBackend.build_on_bench(self.robot, self.world, seed, bench_class(self.bench, CanBackend.name))

@@ -117,7 +117,7 @@ class KitReport:
 
     @property
     def missed(self) -> list[Caught]:
-        """Mutants that the kit did not find."""
+        """Mutants (backends and primitives with a planted fault) that the conformance kit did not find."""
         return [caught for caught in self.planted if not caught.by]
 
     @property

@@ -38,7 +38,9 @@ MAX_NOTE_PERIOD_S = 5.0  # [s] at most between two notes
 
 @dataclass(frozen=True)
 class FieldNote:
-    """Observations of a `FieldSurvey` since its last note, saved so that a resumed run can continue."""
+    """Observations of a `FieldSurvey` since its last saved note; a resumed run continues with the saved
+    notes.
+    """
 
     laid: dict[str, tuple[str, Place | None]]
     """Name of the simulated body and measured position of each sensor laid since then, by the sensor's

@@ -35,7 +35,9 @@ class LocalisationSurvey(Survey):
         return run.scene is not None
 
     def look(self, robot: Robot) -> None:
-        """Add the error of the estimated pose in this period, if the robot is located on the map."""
+        """Update the statistics of localization errors with the error in this period, if the robot is located
+        on the map.
+        """
         if not robot.localization.is_located:
             return
         pose, truth = robot.pose, self.run.base_on_map
@@ -65,7 +67,7 @@ class LocalisationSurvey(Survey):
 
 
 class PathSurvey(Survey):
-    """Survey of the driven path length by odometry; it needs no ground truth."""
+    """Observer of a run that measures the driven path length by odometry; it needs no ground truth."""
 
     name = "path"
     noted = float

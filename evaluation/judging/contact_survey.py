@@ -57,7 +57,7 @@ class Touched:
 
 
 class ContactSurvey(Survey):
-    """Survey that records all contacts of the robot, once per period of a simulated scene."""
+    """Observer of a simulated run that records all contacts of the robot, once per period."""
 
     name = "contacts"
     noted = list[Touched]

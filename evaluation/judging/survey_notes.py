@@ -61,7 +61,9 @@ class SurveyNotes:
             raise NotAState(f"{self._path}: {error}") from None
 
     def add(self, time_s: float, note: Mapping[str, Any]) -> None:
-        """Append the surveys' observations to the file, with the run's time in [s]."""
+        """Append the observations that the surveys (observers of a run) saved to the file, with the run's
+        time in [s].
+        """
         with suppress(OSError), self._path.open("ab") as file:
             file.write(_line({"time_s": time_s, **note}))
 

@@ -74,7 +74,8 @@ def _kind(domain: str, path: str) -> type[Survey]:
 
 
 class Surveys:
-    """Surveys that evaluate one run by the ground truth; a survey that raises an exception is removed."""
+    """Surveys (observers) that evaluate one run by the ground truth; one that raises an exception is removed.
+    """
 
     def __init__(self, run: SurveyedRun) -> None:
         """Create the surveys for a run that is about to start or continue."""
@@ -169,7 +170,8 @@ class Surveys:
         return {survey.name: notes for survey, notes in self._asked(lambda item: item.notes(), among=noting)}
 
     def go_on(self, notes: Mapping[str, Any], path: Path) -> None:
-        """Hand each survey its observations from the interrupted run that this run continues.
+        """Hand each survey (observer of a run) its observations from the interrupted run that this run
+        continues.
 
         Args:
             notes: observations by name of the survey, as read from a file.

@@ -113,7 +113,9 @@ def _base_limit(tolerance: float, sigma: float, of_scans: float) -> float:
 
 
 def not_still(before: GroundTruth, after: GroundTruth) -> list[str]:
-    """Return a message for each part of the robot or body that moved although all should be at rest."""
+    """Return a message for each part of the robot, and each other body, that moved although all should be at
+    rest.
+    """
     return _messages(moved(before, after))
 
 

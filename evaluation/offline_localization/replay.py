@@ -167,8 +167,8 @@ def replay(
         passed: called from time to time with the share of the log that is done, from 0 to 1.
         period: minimum time between fixes that the localizer receives, in [s]; closer fixes are skipped, but
             a closer fix that jumps is listed in the result.
-        white: white error of a fix per axis, in [m], with which the detection of jumps starts; None: only the
-            localizer detects jumps.
+        white: standard deviation of the uncorrelated (white) error of a fix, per axis, in [m], with which the
+            detection of jumps starts; None: only the localizer detects jumps.
     """
     log = log.one_row_a_time()
     gate, latest = None if white is None else JumpGate(white), -math.inf

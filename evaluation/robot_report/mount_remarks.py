@@ -65,10 +65,11 @@ def _lidar_remarks(robot: RobotFile, urdf: str) -> Iterator[Remark]:
 
 
 def hidden_links(robot: RobotFile) -> list[tuple[str, tuple[float, float]]]:
-    """Return the links fixed to the base that the robot's lidar sees, each with its sector in [rad].
+    """Return the links fixed to the base that the robot's lidar sees, each with the sector of angles that it
+    covers, in [rad].
 
-    The arm is not included, because it moves, and neither is a link that encloses the lidar, such as
-    its housing.
+    The arm is not included, because it moves, and neither is a link that encloses the lidar, such as its
+    housing.
     """
     urdf = robot.urdf_text()
     if robot.range_sensor is None or not {"base", robot.lidar_link} <= set(link_names(urdf)):

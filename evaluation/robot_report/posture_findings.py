@@ -42,7 +42,8 @@ class PostureFacts(NamedTuple):
 
 
 def posture_facts(robot: RobotFile) -> list[PostureFacts]:
-    """Return facts about all postures of a robot's file; empty without an arm."""
+    """Return self-contacts, reach and further facts of each posture in a robot's file; empty without an arm.
+    """
     if robot.arm is None:
         return []
     arm = opened_arm(robot)

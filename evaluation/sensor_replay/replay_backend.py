@@ -181,7 +181,9 @@ class ReplayBackend(Backend):
             self.part_ways(f"it does not command {missing}, which the run did")
 
     def check_at_end(self) -> None:
-        """Raise `Parted` if the recorded run has more periods than the replay."""
+        """Raise `Parted` (the replay differs from the recording) if the recorded run has more periods than
+        the replay.
+        """
         self.check_period_done()
         if next(self._following, None) is not None:
             self.part_ways("it is over, but the run continued")

@@ -83,7 +83,7 @@ def load_document(
         context: passed to the validators of the model (`info.context`).
 
     Raises:
-        FileError: with every finding.
+        FileError: the document does not fit the type; the error contains every problem found.
     """
     value = load_part(document, (), model, context)
     if isinstance(value, FileModel) and (found := list(value.contradictions(document))):

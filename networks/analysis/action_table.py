@@ -112,7 +112,9 @@ def _loops(table: ActionTable) -> list[list[int]]:
 
 
 def table_absorption(table: ActionTable, p: float) -> Absorption:
-    """Return the probabilities of the ends of an action table's runs, and their mean number of primitives.
+    """Return the probabilities of the ends of runs by an action table, and their mean number of primitives.
+
+    An action table is a network written as rows, each with a primitive and the rows after Success and Fail.
 
     Each primitive succeeds with probability `p`, and Fails otherwise.
     """

@@ -61,12 +61,13 @@ class Forecast:
 
 
 def forecast(network: ActionNetwork, chances: Chances) -> Forecast:
-    """Return the probabilities of the ends of a network's runs, and their cost.
+    """Return the probabilities with which runs of a network end at the goal or otherwise, and their expected
+    cost.
 
     Args:
         network: the network.
-        chances: outcome probabilities of each action, in the order of the network; None if the action only
-            skips an element of a repeat.
+        chances: outcome probabilities of each action, in the order of the network; None for a skip, which
+            leaves an element of a `repeat` undone.
 
     Raises:
         TooLarge: a part of the network has too many states.
@@ -75,11 +76,13 @@ def forecast(network: ActionNetwork, chances: Chances) -> Forecast:
 
 
 class Forecaster:
-    """Computation of a network's forecast, by stages that each successful run passes one after the other.
+    """Computation of the probabilities of a run's ends and of its cost, by stages of the network.
+
+    Each successful run passes all stages one after the other.
 
     Of equal stages only one is computed, as a Markov chain. Its states are a situation and the number of
-    Fails of each action that can still come up. If there are too many states, only the most likely ones
-    are expanded; `Forecast.unknown` is the probability of the others.
+    Fails of each action that can still come up. If there are too many states, only the most likely ones are
+    expanded; `Forecast.unknown` is the probability of the others.
     """
 
     def __init__(self, network: ActionNetwork, chances: Chances, effort: Effort | None = None) -> None:

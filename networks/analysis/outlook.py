@@ -37,7 +37,7 @@ def outlook(task: Task, situation: str, counts: Mapping[int, int], action: int) 
     """Return the probabilities of the goal if a waiting action is permitted, succeeds, or is refused.
 
     They are exact for the outcome probabilities in the task's file, if the coordinator decides by the rule
-    (it takes the cheapest route).
+    (it starts the action with the least expected cost to the goal).
 
     Args:
         task: the task of the run.

@@ -35,7 +35,8 @@ class Chain:
     """Average number of skips."""
 
     def with_flow(self, flow: FlowResult) -> Chain:
-        """Return the chain with ends and starts replaced by those of a `RuleFlow`.
+        """Return the chain with the probabilities of its ends, and the average starts of its actions, from a
+        `RuleFlow`.
 
         `RuleFlow` follows runs through more states than the chain has, so that its figures are better.
         """

@@ -19,9 +19,10 @@ from .step_maker import StepMaker
 
 
 class RouteWalk:
-    """Simulation of all runs at once along their cheapest routes.
+    """Computation of the ends of all runs in which each next action is the first of the cheapest plan to the
+    goal.
 
-    It adds up the probabilities and costs of the ends of these runs.
+    The probabilities and costs of all runs that end alike are added up.
     """
 
     def __init__(self, network: ActionNetwork, chances: Chances, maker: StepMaker, codes: StateCodes) -> None:

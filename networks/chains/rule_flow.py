@@ -116,7 +116,9 @@ class RuleFlow:
         return float(sum(states.p.sum() for states in self._waiting.values()))
 
     def least_steps(self, start: State, most: float) -> float:
-        """Return a lower bound of the steps of search for the cheapest routes in all states of the runs.
+        """Return a lower bound of the number of search steps that the computation of all runs needs.
+
+        In each state that a run can reach, the cheapest plan to the goal has to be searched.
 
         Args:
             start: state in which the runs begin.

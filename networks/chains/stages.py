@@ -14,7 +14,9 @@ from .stage import Stage
 
 
 def stages(network: ActionNetwork) -> list[Stage]:
-    """Return the stages of a network, in the order in which runs pass them, each exactly once."""
+    """Return the stages of a network, pieces that each successful run passes exactly once, in the order of
+    runs.
+    """
     ways = ways_of(network)
     above = dict(nx.immediate_dominators(ways, network.start))
     chain = _chain(above, network.start, network.goal)

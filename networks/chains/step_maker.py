@@ -158,11 +158,12 @@ class Aftermath:
         Args:
             action: the action.
             fails: Fails before the action, by counter (`Action.counter`), as in `State.fails`.
-            committed: numbers of the planned actions that follow if this action leads to its `target`.
-            hopes: True if the plan needed the action's Fail: then its Success uses up an attempt.
+            committed: numbers of the actions that the plan has next if this action leads to its `target`.
+            hopes: True if the plan counted on a Fail of the action; its Success then uses up an attempt.
 
         Returns:
-            The state in `action.target`, then one for each of `action.others`; None if that never happens.
+            The state in `action.target`, then one for each of `action.others`; None for one of these whose
+            probability is 0.
         """
         after = self._renewed(action, fails)
         if hopes:

@@ -70,9 +70,10 @@ class BeliefPlanner(BestPlanner):
         return self.best.known_step(state) or self.best.step(state)
 
     def verdict(self, situation: str) -> SwitchVerdict:
-        """Return whether the best policy costs less than the rule, for the rest of a run.
+        """Return how much cheaper the rest of the run is expected to be by the best policy than by the rule.
 
-        The rule takes the cheapest route. The costs are those by the present beliefs about probabilities.
+        The rule always starts the first action of the cheapest plan to the goal. The expected costs are
+        computed with the present beliefs about the outcome probabilities.
 
         Args:
             situation: the run's present situation.

@@ -82,12 +82,14 @@ def comparison(
     name: PolicyName = "expected_cost",
     forecaster: Forecaster | None = None,
 ) -> PolicyComparison:
-    """Compare the rule, which takes the cheapest route, with the best policy.
+    """Compare the best policy with the rule, which always starts the first action of the cheapest plan to the
+    goal.
 
     Args:
         network: the network.
-        chances: outcome probabilities of each action; None if it only skips an element of a repeat.
-        name: what is best: `expected_cost` or `goal_probability`.
+        chances: outcome probabilities of each action; None for a skip, which leaves an element of a `repeat`
+            undone.
+        name: quantity for which the policy is best, `expected_cost` or `goal_probability`.
         forecaster: forecaster of the same network; None: a new one.
     """
     best = BestPolicy(network, chances, name, network.person_s)

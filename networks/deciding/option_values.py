@@ -106,7 +106,10 @@ class OptionValues:
 
 
 class RunOptionValues:
-    """Cache of the `OptionValues` of one run, kept until its outcome probabilities or its policy change."""
+    """Cache of the expected results of one run for each action that could be next (`OptionValues`).
+
+    It is kept until the run's outcome probabilities or its policy change.
+    """
 
     def __init__(self, network: ActionNetwork) -> None:
         """Prepare the figures of a run in a network."""

@@ -25,7 +25,7 @@ class FailEntry(FailChance):
 
 
 class ActionEntry(TaskEntry):
-    """Entry of an action in a task file with situations, with those before and after the action."""
+    """Entry of an action in a task file that names the situations before and after the action."""
 
     source: Annotated[str, Field(alias="from")]
     """The situation in which it can be done."""

@@ -40,9 +40,10 @@ class ConditionFail(FailChance):
 
 
 class ConditionEntry(TaskEntry):
-    """Entry for an action in a task file with conditions.
+    """Entry for an action in a task file that lists conditions instead of situations.
 
-    The generated network has this action in every situation in which the entry's conditions hold.
+    The network generated from the file has this action in every situation in which the entry's conditions
+    hold.
     """
 
     condition: Annotated[Conditions, Field(alias="if", default_factory=dict)]

@@ -36,9 +36,9 @@ class Element:
 
 @dataclass(frozen=True)
 class Copied:
-    """Action of the network that is built from a task file.
+    """Action of a network, which is a copy of an action in the task's file, or a skip.
 
-    It is a copy of an action of the file, or a skip, which leaves an element of a `repeat` undone.
+    A skip leaves one element of a list undone for which a part of the network is repeated.
     """
 
     source: str

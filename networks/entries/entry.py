@@ -112,7 +112,11 @@ class TaskEntry(FileModel):
 
     @cached_property
     def limit(self) -> AttemptsEntry:
-        """Limit on the action's Fails; a plain number in the file is its maximum, without renewals."""
+        """Limit on the number of the action's Fails.
+
+        If the file has a plain number, this is the maximum, and successes of other actions never reset the
+        count.
+        """
         if isinstance(self.attempts, AttemptsEntry):
             return self.attempts
         return AttemptsEntry.model_construct(

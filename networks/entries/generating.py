@@ -68,7 +68,8 @@ class _Rule:
 
 
 class NetworkGenerator:
-    """Generator of a network from conditions.
+    """Generator of a task's network from the conditions that each action requires and the facts that it
+    changes.
 
     From the start, it follows every action whose conditions hold to the situations that the action leads to.
     All situations in which the goal's conditions hold are merged into one.

@@ -62,9 +62,10 @@ class Attempts(NamedTuple):
         return count - count % self.width + self.most
 
     def renewed(self, count: int) -> int:
-        """Return a run's count (of Fails and renewals) after a renewal.
+        """Return a run's count (of Fails and renewals) after a renewal, which sets the number of Fails back
+        to 0.
 
-        It is unchanged if nothing has failed or no renewal is left.
+        The count is unchanged if nothing has failed or no renewal is left.
         """
         renewals, fails = divmod(count, self.width)
         return (renewals + 1) * self.width if fails and renewals < self.renewals else count

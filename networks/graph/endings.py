@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Ending:
-    """A further situation that a Success of an action may lead to, for one of the action's results."""
+    """A further situation that a Success of an action may lead to, and the result with which it does."""
 
     target: str
     result: str = ""

@@ -64,7 +64,8 @@ class Binding:
 
     @classmethod
     def of(cls, primitive: ActionPrimitive) -> Binding:
-        """Return a binding of a primitive with known values of all parameters, all of them fixed."""
+        """Return a binding (a primitive with its parameters) in which the values of all parameters are fixed.
+        """
         return cls(type(primitive), {name: getattr(primitive, name) for name in type(primitive).model_fields})
 
     @cached_property

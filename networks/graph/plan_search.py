@@ -123,10 +123,12 @@ class PlanSearch:
         return min(edges, key=lambda index: (self._base[index], index))
 
     def segment(self, situation: str, fails: Mapping[int, int]) -> Segment | None:
-        """Return the first actions of the cheapest route; None if no route leads to the goal.
+        """Return the first actions of the cheapest plan; None if no plan leads to the goal.
+
+        They lead to the goal, or to a situation from which the search has to begin again.
 
         Args:
-            situation: situation in which the route begins.
+            situation: situation in which the plan begins.
             fails: counts of Fails and renewals (`Attempts`), by the actions' `counter`.
         """
         return self._segment(self._place[situation], self._weights(fails), fails)

@@ -194,7 +194,7 @@ class RunLog(Intents):
         return NotStarted(reason)
 
     def skip(self, action: Action, element: str) -> None:
-        """Log that an element of a repeat is left undone."""
+        """Log that one element of a `repeat` is skipped: no further actions are done for it."""
         self.skipped.append(element)
         self._write("SKIP", records.Skip(action=action.index, element=element))
         self._tell(lambda: LeftOut(self._robot.time, action, f"{element} is left undone"))

@@ -158,7 +158,9 @@ class EndRecord(TypedDict):
 
 @with_config(_OPEN)
 class Intent(TypedDict):
-    """Record of an effect, about to begin, that cannot simply be repeated."""
+    """Record that an effect on the world is about to begin which cannot simply be repeated, such as opening
+    the hand.
+    """
 
     n: Number
     effect: str

@@ -63,10 +63,11 @@ class Checkpoint:
 def keep_checkpoint(
     folder: Path, prepared: Prepared, durable: bool, result: Mapping[str, Any], after: str
 ) -> str | None:
-    """Write the latest checkpoint of a run into its folder in one step, before the journal has the RESULT.
+    """Write a checkpoint of a run into its folder, atomically, before an action's result is written to the
+    journal.
 
     A checkpoint is not written after a GiveUp, because the person who acknowledges the GiveUp has restored
-    the state before that action.
+    the state before the action.
 
     Args:
         folder: the run's folder.
@@ -77,7 +78,7 @@ def keep_checkpoint(
 
     Returns:
         The checkpoint's digest, by which the journal names it; None if none is written, after a GiveUp or
-            because the simulated world's state cannot be saved.
+        because the simulated world's state cannot be saved.
 
     Raises:
         NotKeptError: it cannot be written.

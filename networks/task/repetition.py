@@ -72,10 +72,12 @@ class Repetition:
     """The element of the surrounding part that contains this one; None for an outermost part."""
 
     def elements(self) -> tuple[Element, ...]:
-        """Return the elements for which the part is repeated, in the order of the file.
+        """Return the elements of the list that `repeat` names, in the order of the file.
+
+        A part of the network is copied for each element.
 
         Raises:
-            NotRepeated: the part iterates over a list in the surrounding part's element, and that element has
+            NotRepeated: `repeat` names a list in an element of a surrounding `repeat`, and that element has
                 no such list.
         """
         path, values = self._over()
@@ -93,10 +95,11 @@ class Repetition:
         )
 
     def count(self) -> int:
-        """Return the number of elements for which the part is repeated.
+        """Return the number of elements of the list that `repeat` names; the part of the network is copied
+        for each.
 
         Raises:
-            NotRepeated: the part iterates over a list in the surrounding part's element, and that element has
+            NotRepeated: `repeat` names a list in an element of a surrounding `repeat`, and that element has
                 no such list.
         """
         return len(self._over()[1])

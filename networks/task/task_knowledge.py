@@ -58,7 +58,9 @@ class TaskKnowledge:
         return found
 
     def all_places(self) -> dict[str, Place]:
-        """Return the places of the map and of all sections' files, by name."""
+        """Return the known places by name, those of the file of places and those from the files of all
+        domains.
+        """
         return {**(self.places.value.places if self.places else {}), **self._more_places()}
 
     def _more_places(self) -> dict[str, Place]:

@@ -49,7 +49,7 @@ class Table(LevelPose):
 
     @property
     def box(self) -> Box:
-        """Return the table's slab, posed on the map."""
+        """Tabletop, as a box with its pose on the map."""
         return Box(self.pose @ transform((0.0, 0.0, -self.thickness_m / 2)), (*self.size_m, self.thickness_m))
 
 

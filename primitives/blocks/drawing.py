@@ -34,7 +34,10 @@ class DrawnLandmark(LevelPose):
 
 
 class DrawnRow(LevelPose):
-    """Row of blocks next to each other; its pose on the map is that of a block at 0 in `along_mm`."""
+    """Row of blocks next to each other in a plan.
+
+    The row's pose on the map is that of a block whose position in `along_mm` is 0.
+    """
 
     along_mm: Annotated[tuple[float, ...], Field(min_length=1)]
     """Positions of the blocks along the row's own y axis."""

@@ -50,7 +50,8 @@ BASE_TILT_COVARIANCE = np.diag([0.010, 0.010, 0.010]) ** 2
 
 
 class Fixation(NamedTuple):
-    """Result of a fixation: the pose of the base and its accuracy."""
+    """Result of a fixation, which measures the base's pose by pictures of a landmark from the hand's camera.
+    """
 
     planned_T_base: Pose2
     """Travelling error dT_M of the base, as its pose relative to the planned one."""
@@ -207,14 +208,14 @@ def covariance_of_mean(seen: Sequence[Pose2], noise: tuple[float, float]) -> Flo
 
 
 def upright(fixed: Fixed, known: SuspensionModel, height: float, beside: Transform) -> Pose2:
-    """Return the pose map_T_base by a fixation, corrected for the tilt of the base during the fixation.
+    """Return the pose map_T_base that was measured at a landmark (a fixation), corrected for the base's tilt.
 
     Args:
         fixed: fixation with the measured pose.
-        known: suspension model, which predicts the tilt.
+        known: suspension model, which predicts the tilt during the fixation.
         height: height of the landmark above the floor, in [m]; the effect of the tilt depends on it.
-        beside: (4, 4) motion of the base, in the base frame, by tilt that the model does not predict. This
-            motion is corrected as well.
+        beside: (4, 4) motion of the base, in the base frame, that the suspension model does not predict. It
+            is corrected as well.
     """
     hand = transform((*fixed.reach, height))
     seen = beside @ known.displaced(hand, np.eye(4), 0)

@@ -192,10 +192,11 @@ class Release(HeldBookPrimitive):
     def finish(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """Finish an action that was interrupted after the fingers began to open.
 
-        The hand is pulled back and the arm put away. After a fault, the book is first pushed home.
+        The hand is pulled back and the arm put away. After a fault, the book is first pushed fully into its
+        slot.
 
         Returns:
-            True if the book was pushed home and its label read in its slot.
+            True if the book was pushed fully into its slot and its label was read there.
         """
         yield from settle(robot)
         if self._open_to is not None:

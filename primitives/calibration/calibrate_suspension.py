@@ -60,7 +60,8 @@ class HandSurroundings(NamedTuple):
 
 
 class CalibrateSuspension(ActionPrimitive):
-    """View landmarks near and far, then swing the load out and back, to measure the base's tilt and turn.
+    """View landmarks near and far, then swing the held load out and back, to measure the base's tilt and
+    turn.
 
     The base tilts towards the hand, so that landmarks in views from near and far, high and low, appear
     shifted and nearer. The base also turns with each swing of the loaded arm, so that the same landmark then
@@ -82,7 +83,7 @@ class CalibrateSuspension(ActionPrimitive):
     hand: ClassVar = CARRIES_OBJECT
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return a message if the hand does not hold a block of the plan, which is needed as a load."""
+        """Return a message unless the hand holds a block of the building plan, which is needed as a load."""
         return unlike_block(robot, model)
 
     @override

@@ -33,7 +33,9 @@ class BaseDrift:
         self._points: list[FloatArray] = []
 
     def begin(self) -> Generator[None, None, None]:
-        """Average some scans at rest as reference for the drift; do nothing without a lidar."""
+        """Average some scans of the base at rest, as reference for its later drift; do nothing without a
+        lidar.
+        """
         if self._lidar is None:
             return
         ranges = []

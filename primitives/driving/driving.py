@@ -109,8 +109,8 @@ def plan_tracker(
 ) -> Generator[None, None, tuple[PathTracker | CarTracker, FloatArray]]:
     """Return a tracker for a route to a place, and the route's points (n, 2) on the map, in [m].
 
-    The route is the planned detour to the place, or a new route on the map. A car always gets a new one from
-    its current pose, past known and sensed obstacles.
+    The route is the detour around an obstacle that the world model holds for this place, otherwise a new
+    route on the map. A car always gets a new route from its current pose, past known and sensed obstacles.
 
     Args:
         robot: robot at the start of the route.

@@ -46,7 +46,9 @@ class FrontierGoal(NamedTuple):
     """x and y of the middle of the frontier on the growing map, in [m]."""
 
     def is_same(self, other: FrontierGoal) -> bool:
-        """Return whether the frontiers' middles are so close that they are one frontier."""
+        """Return whether two frontiers (borders between known and unknown ground) are so close that they
+        count as one.
+        """
         return math.dist(self.middle, other.middle) < SAME_M
 
 

@@ -49,7 +49,8 @@ NEARER_FACTOR = 3.0  # of the time that the rest takes at top speed, if that is 
 
 
 class LocalReplanning:
-    """Replanning of the route during one drive, around people and obstacles that the map does not show."""
+    """Repeated planning of the route during a drive, around people and obstacles that the map does not show.
+    """
 
     def __init__(self, robot: Robot, model: ModelView, name: str, place: Place | None = None) -> None:
         """Begin a drive to the place `name`, or to `place` on the way, with what earlier drives sensed."""
@@ -180,9 +181,11 @@ class LocalReplanning:
     def planned(
         self, robot: Robot, route: FloatArray | None = None, takes: float = PLANNING_S
     ) -> Generator[None, None, RouteLook]:
-        """Plan a route to the goal while the base holds; its kind is "none" if there is none.
+        """Plan a route to the goal while the base is stopped; the result's kind is "none" if there is no
+        route.
 
-        What nothing has looked at for `OLD_CELLS_S` is forgotten if it closes all routes.
+        If sensed obstacles close all routes, those that the lidar has last hit more than `OLD_CELLS_S` ago
+        are forgotten.
 
         Args:
             robot: the robot.

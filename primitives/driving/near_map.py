@@ -69,7 +69,8 @@ class NearMap:
     def cells(self) -> FloatArray:
         """Return all cells (n, 4) that the lidar sensed as occupied and the map shows as free.
 
-        A row is x, y on the map in [m], score, and time of the last hit in [s].
+        A row is x, y of the cell on the map in [m], a score that grows with each hit of a beam, and the time
+        of the last hit in [s].
         """
         return np.vstack([self.layer.cells(), self._rows_beyond])
 

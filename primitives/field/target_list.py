@@ -80,7 +80,10 @@ def load_targets(path: Path, field: Field, start: Pose2) -> dict[str, Target]:
 
 
 def place_of(target: Target, field: Field) -> Place:
-    """Return the place of the base for a target, with the tolerances of the field's file."""
+    """Return the place of the base from which the arm lays a sensor at a target.
+
+    The tolerances of the place are those in the field's file.
+    """
     stand = target.stand
     return Place(
         x_m=stand.x,

@@ -160,7 +160,9 @@ class Section:
         return ()
 
     def moved_things(self) -> Iterable[MovedThing]:
-        """Return the things whose measured pose differs from that on the map; routes avoid the new pose."""
+        """Return the things whose measured pose differs from their pose on the map; routes avoid them at the
+        measured pose.
+        """
         return ()
 
     def measuring(
@@ -209,7 +211,7 @@ class Section:
 
     @classmethod
     def entries(cls) -> tuple[str, ...]:
-        """Return the names of the section's entries."""
+        """Return the names of the entries (named pieces of knowledge) of this section of the world model."""
         return tuple(field.name for field in fields(cls))
 
     def forget_element(self) -> None:
@@ -223,7 +225,9 @@ class Section:
 
     @classmethod
     def learned_types(cls) -> dict[str, Any]:
-        """Return the types of the entries that a checkpoint keeps."""
+        """Return the types of the fields for knowledge that the robot gains during a run; a checkpoint keeps
+        them.
+        """
         return {name: types_of(cls)[name] for name in cls.LEARNED}
 
 

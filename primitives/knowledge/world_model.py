@@ -250,7 +250,9 @@ class WorldModel:
 
     @classmethod
     def entry_types(cls) -> dict[str, Any]:
-        """Return the types of all entries by name, including the entries of the sections."""
+        """Return the type of each entry (named piece of knowledge) of the world model, including those of all
+        domains.
+        """
         found = {name: kind for name, kind in types_of(cls).items() if name in cls.ENTRIES}
         for section in sections().values():
             found |= {name: types_of(section)[name] for name in section.entries()}

@@ -34,7 +34,7 @@ MAX_CALLS = 12  # calls that are kept
 
 @dataclass(frozen=True)
 class Cause:
-    """Cause that ended a motion or the restoring after it."""
+    """Cause that ended a motion, or that ended the restoring of the start after a failed motion."""
 
     reason: str
     """Message for people."""

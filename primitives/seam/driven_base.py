@@ -21,8 +21,8 @@ MOST_BESIDE = 0.06  # [m] from its place
 
 
 def way_from_here(robot: Robot, place: str, planned: Pose2) -> Pose2:
-    """Return the start of the base's straight way, for a base that stopped a little ahead of its place or
-    behind.
+    """Return the pose from which the base drives straight along a seam, after it stopped near the planned
+    pose.
 
     Args:
         robot: robot at its place, at rest.
@@ -30,10 +30,11 @@ def way_from_here(robot: Robot, place: str, planned: Pose2) -> Pose2:
         planned: map_T_base of the place.
 
     Returns:
-        map_T_base on the planned line, at the point nearest to the base.
+        map_T_base on the straight line through the planned pose, along its heading, at the point nearest to
+        the base.
 
     Raises:
-        Discrepancy: the base is elsewhere.
+        Discrepancy: the base is too far from the planned pose.
     """
     off = robot.pose.distance(planned)
     if off > MOST_BESIDE:

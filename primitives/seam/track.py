@@ -69,11 +69,13 @@ class _Plan(NamedTuple):
 
 
 class Track(ActionPrimitive):
-    """Follow the next part of the seam with the tool, from a base at rest or driving, by DIVIDE's plan.
+    """Follow the next part of the seam with the tool, from a base at rest or driving.
 
-    A base never stops exactly at its planned pose: joint angles are found for the measured pose. If the base
-    is at rest, only the errors of localization and arm remain. If the base drives, the angles are computed
-    again in each period, for the pose that the base has at the end of the period.
+    The part and the planned poses of the base are those found by the primitive DIVIDE.
+
+    Joint angles are computed for the measured pose, because a base never stops exactly at its planned pose.
+    If the base is at rest, only the errors of localization and arm remain. If the base drives, the angles are
+    computed again in each period, for the pose that the base has at the end of the period.
     """
 
     speed_m_s: Annotated[float, Field(gt=0.0, le=2.0)] | None = None

@@ -9,11 +9,11 @@ if TYPE_CHECKING:
 
 
 def belief_facts(network: ActionNetwork) -> tuple[dict[str, Any], list[str]]:
-    """Return facts, as fields and as lines of text, on how probably a task's policy is better than the rule.
+    """Return how probably a task's policy is better than the rule, as fields and as lines of text.
 
-    The probability is that at the task's start, by the task's beliefs about the probabilities of outcomes.
-    The rule is the policy that takes the cheapest route. Fields and lines are empty for a task without
-    beliefs, and for a task that starts at its goal.
+    The rule is the policy that always starts the first action of the cheapest plan to the goal. The
+    probability is that at the task's start, by the task's beliefs about the probabilities of outcomes. Fields
+    and lines are empty for a task without beliefs, and for a task that starts at its goal.
     """
     from handcart.networks.deciding.planners import planner_of
 

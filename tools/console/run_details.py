@@ -68,8 +68,10 @@ class RunDetails:
         }
 
     def after(self, situation: str, action: int) -> dict[str, Any]:
-        """Return the probabilities of reaching the goal if the waiting action is permitted, has succeeded, or
-        is refused.
+        """Return the probabilities of reaching the goal after a person's answer about an action.
+
+        The action waits for permission; the person may permit it, report that it has succeeded already, or
+        refuse it.
 
         Args:
             situation: present situation of the run.

@@ -60,12 +60,13 @@ class _Waiting:
 
 @contextmanager
 def announced(what: str) -> Iterator[None]:
-    """Print a message to stderr after a second, and another one when functions are compiled, in this context.
+    """Print `what` to stderr once this context lasts a second, and another message when functions are
+    compiled in it.
 
     Other processes help to compile, on all cores. A command that ends within a second prints nothing.
 
     Args:
-        what: message, such as what the command is doing.
+        what: text about what the command is doing.
     """
     said: list[str] = []
 

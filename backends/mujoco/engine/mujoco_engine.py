@@ -220,7 +220,7 @@ class MujocoEngine(Engine):
         return None if seen is None else self._numbering.moved(coordinates != seen)
 
     def thing_at(self, body: int) -> ThingNumbers:
-        """Return the indices of a thing in MuJoCo's arrays."""
+        """Return the indices of a movable body in MuJoCo's arrays, by its number in this engine."""
         self._grown.both()
         return self._numbering.things[body]
 

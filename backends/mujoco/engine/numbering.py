@@ -28,7 +28,7 @@ class ThingNumbers(NamedTuple):
 
 
 class Numbering:
-    """Assignment between MuJoCo's indices in a compiled model and the numbers of bodies in this engine.
+    """Assignment between MuJoCo's indices in a compiled model and the project's own numbers of bodies.
 
     It knows the body and link of each geometry, and the coordinates of each movable thing. Geometries of the
     robot have any name; those of another body have the body's number as their name, such as `7`, or `7.1` for

@@ -32,7 +32,7 @@ BOX_NORMALS = np.array(((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, 1),
 
 
 class Cuboid(NamedTuple):
-    """A box as a shape of a thing; its sides are along the axes of the thing's frame."""
+    """Box as the shape of a simulated thing; its sides are along the axes of the thing's frame."""
 
     size: tuple[float, float, float]
     """Size along x, y and z, in [m]."""

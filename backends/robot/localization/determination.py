@@ -82,7 +82,9 @@ class Undetermined(NamedTuple):
 
     @property
     def words(self) -> str:
-        """Message that names the direction, the uncertainty and its limit."""
+        """Message that names the direction in which the pose is too uncertain, its uncertainty, and the
+        limit.
+        """
         size, limit = self.shown
         digits = (0 if limit >= 10.0 and self.unit == "mm" else 2) if limit >= 0.1 else 4
         sizes = f"3 sigma {size:.{digits}f} {self.unit}, at most {limit:.{digits}f} {self.unit} allowed"

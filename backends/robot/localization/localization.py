@@ -197,7 +197,7 @@ class Localization(ABC):
     @property
     @abstractmethod
     def dead_reckoned(self) -> bool:
-        """True if at present only wheels or gyros measure the base's motion, no other sensor its place."""
+        """True if now only wheels or gyros measure the motion, and no sensor measures the position."""
 
     def update(self, driven: DriveCommand) -> None:
         """Update the estimate with the readings of the period that has passed.

@@ -84,10 +84,11 @@ class RobotDifferences:
         return self.factor(joint) * self.factor(STATE_PREFIX + joint)
 
     def timeout(self, usual: float) -> float:
-        """Return the time in [s] for which the base keeps its last speeds without a new command.
+        """Return the time in [s] for which the base of the simulated robot keeps its last speeds without a
+        new command.
 
         Args:
-            usual: time in [s] that is returned if no other time is planned.
+            usual: time in [s] that is returned unless the bench was started with another time-out.
         """
         return self._factors.get(TIMEOUT_NAME, usual)
 

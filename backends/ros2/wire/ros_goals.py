@@ -201,7 +201,7 @@ def serve_action(node: Any, kind: str, name: str, accepts: Accepts, take: TakesG
 
 
 def action_servers(node: Any, name: str) -> list[str]:
-    """Return the names of the nodes that serve an action, each with its type."""
+    """Return the nodes that serve an action, as texts with the node's name and the action's type."""
     full = node.resolve_service_name(name)
     ends = node.get_publishers_info_by_topic(f"{full}{FEEDBACK_TOPIC}")
     return [

@@ -88,7 +88,7 @@ class Link(Protocol):
         """
 
     def action_servers(self, name: str) -> list[str]:
-        """Return the names of the nodes that serve an action, each with its type."""
+        """Return the nodes that serve an action, as texts with the node's name and the action's type."""
 
     def actions_of(self, kind: str) -> list[str]:
         """Return the names of all actions of a type that are served."""

@@ -87,8 +87,12 @@ class BookProps(BooksThere):
         return thing.size[1]
 
     def fits(self, thing: Thing, pads: Pads) -> bool:
-        """Return True if closing pads would grip the book at its covers, with the hand in front of its
-        spine.
+        """Return True if the closing pads of the fingers would grip a book at its covers, from in front of
+        its spine.
+
+        Args:
+            thing: the book.
+            pads: pose and shape of the fingers' pads.
         """
         finger = pads.finger
         pose = inverse(pads.world_T_hand) @ thing.pose

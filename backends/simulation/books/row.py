@@ -36,8 +36,9 @@ class Member(NamedTuple):
 
 
 class FreeInterval(NamedTuple):
-    """Free interval of a row between two members, from `right` to `left` along y of the shelf frame S, in
-    [m].
+    """Free interval between two neighbours in a row of books on a shelf (books, panels or book ends).
+
+    It reaches from `right` to `left` along y of the shelf frame S, in [m].
     """
 
     right: float
@@ -120,7 +121,9 @@ def slots(row: Sequence[Member]) -> list[FreeInterval]:
 def push(
     books: BooksThere, shelf: SimulatedShelf, row: Sequence[Member], pusher: Pusher, start: float
 ) -> Push:
-    """Push a row with a face that is commanded from `start` to `pusher.lead`; move the books that yield.
+    """Push a row of books with a face of the hand or of a held book, and move the books that yield.
+
+    The face is commanded from `start` to `pusher.lead`.
 
     The motion is quasi-static. The arm is a spring with the stiffness `ARM_STIFFNESS_N_M` between command and
     face. Each book that the face meets resists with its friction; books at the shelf's back, panels and book

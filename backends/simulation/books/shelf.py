@@ -28,8 +28,8 @@ _BOOK_END_FRONT = 0.03  # behind the board's front edge
 class SimulatedShelf:
     """A simulated shelf, as a world's file describes it.
 
-    Its frame S has the origin in the middle of the board's front edge, on top; x points into the shelf, y to
-    the left, z up. The plinth below the board is closed, with its front at x = 0.
+    Its frame S has the origin on top of the shelf's board, in the middle of the front edge; x points into the
+    shelf, y to the left, z up. The space below the board is closed by a plinth, with its front at x = 0.
     """
 
     def __init__(self, spec: ShelfSpec) -> None:

@@ -13,7 +13,9 @@ from .spec import MarksSection
 
 
 class MarkProps(Props[MarksSection]):
-    """Printed sheets of a simulated world, such as calibration boards, in the order of the world's file."""
+    """Printed sheets on level surfaces of a simulated world, such as calibration boards, for its cameras to
+    see.
+    """
 
     section = MarksSection
 

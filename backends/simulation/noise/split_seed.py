@@ -54,7 +54,9 @@ class SplitSeed(int):
         return SplitSeed(int(self), (*self._branches, SeedBranch(number, dict(self._drawn))))
 
     def branch(self, purpose: str, period: int) -> int:
-        """Return the number of the branch that a random draw belongs to, and record the draw.
+        """Return the number of the branch (continuation of a split run) that a random draw belongs to.
+
+        The draw is recorded for later splits.
 
         Args:
             purpose: purpose of the draw (a sensor, an error), as in `keyed`.

@@ -71,7 +71,9 @@ class ObjectProps(Props[ObjectsSection]):
 
     @property
     def pulls(self) -> list[SimulatedPull]:
-        """All pulls of the person at the held object, before, during and after they take place."""
+        """All pulls of the simulated person at the held object: those to come, those under way, and past
+        ones.
+        """
         return self.puller.pulls
 
     @pulls.setter

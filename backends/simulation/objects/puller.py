@@ -81,7 +81,7 @@ class Puller:
         return any(_is_on(pull) and pull.spec.takes for pull in self.pulls)
 
     def released(self) -> None:
-        """End all pulls that are under way, because the hand has released the object."""
+        """End all simulated pulls of a person that have begun, because the hand has released the object."""
         self.pulls = [pull._replace(is_over=True) if _is_on(pull) else pull for pull in self.pulls]
         self.force = NO_FORCE
 

@@ -14,8 +14,9 @@ OWN_BODY_M = 0.12
 
 
 class RangeFaults(NamedTuple):
-    """Shares of a scan's beams, 0 to 1, with a faulty reading; drawn for each beam and period
-    independently.
+    """Shares of a lidar's beams, 0 to 1, that have a faulty reading, by kind of fault.
+
+    In each period, the faulty beams are drawn at random, independently for each beam.
     """
 
     zero: float = 0.0
@@ -37,7 +38,7 @@ class RangeFaults(NamedTuple):
 
     @property
     def any(self) -> bool:
-        """True if any share is above 0."""
+        """True if the readings of any beams are to be faulty (a share is above 0)."""
         return max(self) > 0.0
 
     def spoil(self, ranges: FloatArray, rng: np.random.Generator) -> FloatArray:

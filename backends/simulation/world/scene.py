@@ -232,7 +232,9 @@ class Scene:
     # Changes of the scene
 
     def move_base(self, base: Pose2) -> None:
-        """Put the base with its load at another 2D pose world_T_base; the held object moves with the hand."""
+        """Put the base and all that it carries at another 2D pose world_T_base; the held object moves with
+        the hand.
+        """
         self.base = base
         self._carry_along()
 

@@ -32,7 +32,9 @@ class SceneProps(ABC):
     @classmethod
     @abstractmethod
     def none_in(cls, scene: Any) -> Self:
-        """Return an empty collection of the domain's things, for a scene whose file names no such things."""
+        """Return an empty collection of the things of one application domain, for a scene whose file names no
+        such things.
+        """
 
     def things(self) -> Iterable[Thing]:
         """Return the things that hands can carry, in a fixed order."""
@@ -58,7 +60,9 @@ class SceneProps(ABC):
         """Begin a period: update things that move or change without the robot."""
 
     def hand_force(self) -> FloatArray:
-        """Return the force (3,) on the hand from the domain's things, in the hand frame, in [N]."""
+        """Return the force (3,) on the hand from the things of one application domain, in the hand frame, in
+        [N].
+        """
         return np.zeros(3)
 
     # Props in a hand without physics

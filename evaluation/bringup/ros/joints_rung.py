@@ -166,7 +166,7 @@ def nudge(site: RosSite, backend: RosBackend, number: int, way: float, held: Hel
 
 
 class JointLag:
-    """Lag of a joint's measured position behind its command, in control periods, seen at a small motion."""
+    """Lag of a joint's measured position behind its command in a small test motion, in control periods."""
 
     def __init__(self, passed: float) -> None:
         """Prepare to detect a motion by `passed`, in [rad] or [m], in either direction."""

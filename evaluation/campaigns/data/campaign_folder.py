@@ -112,7 +112,7 @@ class CampaignFolder:
 
     @property
     def runs(self) -> Path:
-        """Folder that holds the runs' folders."""
+        """Folder that holds one folder for each run of the campaign."""
         return self.folder / RUNS
 
     def log(self) -> TrialLog:

@@ -102,7 +102,9 @@ class RareEstimate:
 
     @property
     def cost(self) -> float:
-        """Number of trials without splitting that would start the same number of actions."""
+        """Cost of the estimate, as the number of complete runs from the start that would start as many
+        actions.
+        """
         return self.steps / self.steps_of_a_run if self.steps_of_a_run else 0.0
 
     def agrees(self, exact: float) -> bool:

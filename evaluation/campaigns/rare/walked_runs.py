@@ -36,10 +36,11 @@ class WalkedRuns:
         self._after_fail = self._skipped = np.zeros(0, dtype=bool)
 
     def advance(self, level: int, starts: IndexArray | int) -> Level:
-        """Continue random walks until they end or reach a level, and keep their states at the level.
+        """Continue random walks until they end or reach a level of multilevel splitting, and keep their
+        states there.
 
         Args:
-            level: importance at which the walks are stopped, from 1.
+            level: importance (nearness to the rare outcome) at which the walks are stopped, from 1.
             starts: (n,) index of the state, kept at the previous level, that each walk starts from; or the
                 number of new walks.
         """

@@ -111,10 +111,11 @@ def mcnemar_power(difference: float, lost: float, pairs: int, alpha: float = SIG
 
 
 def smallest_difference(only_one: int, only_other: int, pairs: int) -> float | None:
-    """Return the smallest difference of success rates that the test finds with the probability `TEST_POWER`.
+    """Return the smallest difference of success rates that McNemar's test would find with the probability
+    `TEST_POWER`.
 
-    The test is McNemar's. The share of pairs in which only the worse campaign succeeds is assumed to be that
-    of the data. None if the number of pairs is too small to show any difference.
+    The share of pairs in which only the worse campaign succeeds is assumed to be that of the data. None if
+    the number of pairs is too small to show any difference.
 
     Args:
         only_one: number of pairs in which only the first campaign succeeded.

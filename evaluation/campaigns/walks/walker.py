@@ -40,7 +40,7 @@ class Walked(NamedTuple):
 
     @property
     def success(self) -> BoolArray:
-        """Mask (n,) of the walks that reached the goal without skipping an element of a repeated section."""
+        """Mask (n,) of the random walks that reached the goal without skipping an element of a `repeat`."""
         return np.asarray((self.last == GOAL) & ~self.skipped)
 
 

@@ -34,7 +34,10 @@ class NotRestored(Reach):
 
 
 class BaseAlone(Reach):
-    """Mutant primitive that restores the base, but not arm and fingers."""
+    """Primitive with a planted fault, by which it restores the base, but not arm and fingers.
+
+    The conformance kit has to find this fault.
+    """
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
@@ -100,7 +103,10 @@ class RaisesTolerance(Reach):
 
 
 class SwallowsFault(Reach):
-    """Mutant primitive that ends its motion on every exception and claims that it was complete."""
+    """Primitive with a planted fault, by which it ends its motion on every exception and claims success.
+
+    The conformance kit has to find this fault.
+    """
 
     @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:

@@ -29,7 +29,11 @@ TRAVEL_FACTOR = 1.25  # of what wheels report
 
 
 class KeepsDriving(LayeredBackend):
-    """Mutant backend whose command of the base lasts until the next command."""
+    """Backend with a planted fault, by which a command to the base lasts until the next one, not for one
+    period.
+
+    The conformance kit has to find this fault.
+    """
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
@@ -218,7 +222,11 @@ class FixInMillimetres(LayeredBackend):
 
 
 class DropsScans(LayeredBackend):
-    """Mutant backend that loses four of five lidar scans, and returns an older scan instead."""
+    """Backend with a planted fault, by which four of five lidar scans are lost and an older scan is returned
+    instead.
+
+    The conformance kit has to find this fault.
+    """
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)

@@ -193,7 +193,8 @@ class Playback:
         return self._named(PLANNED_KEY).get(number, np.empty((0, 2)))
 
     def bumped(self, number: int) -> FloatArray:
-        """Return the points (n, 2) on the map, in [m], where the base hit something up to an action's end.
+        """Return the points (n, 2) on the map, in [m], where the base hit something until the end of an
+        action.
 
         Args:
             number: number of the action, from 1.

@@ -87,8 +87,8 @@ def turned(place: Pose2, height: float, any_heading: bool) -> list[Transform]:
 def showing_tags(goals: Sequence[Transform], tags: Sequence[PrintedTag]) -> list[Transform]:
     """Return those of the goals at which one of the object's tags faces upwards or the robot.
 
-    At other goals the camera could not verify the object's pose. All goals are returned if there are no such
-    goals.
+    At other goals the camera could not verify the object's pose. If no tag faces upwards or the robot at any
+    goal, all goals are returned.
 
     Args:
         goals: base_T_object (4, 4) of the goals.

@@ -76,8 +76,9 @@ class PullWatch:
             self._rest = mean
 
     def feel(self) -> None:
-        """Read the force in this period, and add it, less the force at rest, to the last readings; call it
-        once a period.
+        """Read the force on the hand, subtract the force at rest, and append the result to the last readings.
+
+        To be called once a period.
         """
         self._forces.append(self._force() - self._rest)
         if not self.is_rested and self.is_calm:
@@ -94,7 +95,9 @@ class PullWatch:
 
     @property
     def is_strong(self) -> bool:
-        """True if the force of one of the last readings is as strong as a pull, in any direction."""
+        """True if one of the last measured forces, in any direction, is large enough to be a person's pull on
+        the held object.
+        """
         return any(float(np.linalg.norm(force)) >= self._least for force in self._forces)
 
     def lasting(self, share: float = 1.0) -> FloatArray | None:

@@ -129,15 +129,15 @@ def followed_place(
 ) -> Place:
     """Return the place of the base for a surface that was measured elsewhere than its file says.
 
-    It is the earlier place moved with the surface, or a place a little further from the surface. If the base
-    has no room there, the earlier place is returned.
+    It is the place `stand` moved with the surface, or a place a little further from the surface. If the base
+    has no room there, `stand` is returned.
 
     Args:
         robot: robot with an arm.
         grid: the map with the surface where it is now, and with what was sensed.
         before: the surface where its file says.
         now: the surface where it is.
-        stand: computed place of the base in front of the surface `before`.
+        stand: place of the base in front of the surface `before`, as computed from the file.
         places: other known places; a route must lead from one of them.
     """
     if not has_moved(before, now):

@@ -170,14 +170,13 @@ def contradiction(
     kind_name: str,
     kind: ObjectKind,
 ) -> str:
-    """Describe a thing seen at the place of an object's tag that can't be the object; "" if it may be the
-    object.
+    """Describe what was seen at an object's place, if it can't be the object; "" if it may be the object.
 
     Args:
-        found: all that stands on the surface.
+        found: all things seen on the surface.
         base_T_surface: (4, 4) of the middle of the surface's top.
         base_T_object: (4, 4) of the object, by its tag.
-        kind_name: name of its kind.
+        kind_name: name of the object's kind.
         kind: kind of the object.
     """
     place = (inverse(base_T_surface) @ base_T_object)[:2, 3]

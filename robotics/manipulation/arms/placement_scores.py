@@ -37,7 +37,7 @@ class PlacementScores(NamedTuple):
         return self._replace(values=np.where(usable, self.values, np.float32(0.0)), usable=usable)
 
     def only(self, kept: BoolArray | IndexArray) -> PlacementScores:
-        """Return the scores of some placements.
+        """Return the scores of those placements (base poses) that `kept` selects.
 
         Args:
             kept: mask (b,), or numbers (k,) of the placements.

@@ -54,7 +54,9 @@ class ResolvedRate:
         self._speed = 0.0
 
     def left(self, q: FloatArray) -> float:
-        """Distance of the tip from the line's end, in [m], with the joints at `q` (2,) in [rad]."""
+        """Distance of the tip from the end of the commanded line, in [m], with the joints at `q` (2,) in
+        [rad].
+        """
         return float(np.hypot(*(self._end - self._arm.tip(q))))
 
     def astray(self, q: FloatArray) -> float:

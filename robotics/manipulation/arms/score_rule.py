@@ -55,8 +55,8 @@ class ScoreRule(NamedTuple):
             force: force of the tool along the path, in [N].
 
         Raises:
-            ValueError: a limit, the speed or the force isn't above zero, or for a joint no lever is both
-                fast and strong enough.
+            ValueError: a limit, the speed or the force isn't above zero, or a joint cannot have this speed
+                and this force with the same lever (distance of the tool's force from the joint's axis).
         """
         if not (min(*np.atleast_1d(velocity), *np.atleast_1d(torque), speed, force) > 0.0):
             raise ValueError("speed and torque limits, speed and force must be above zero")

@@ -72,8 +72,11 @@ def turned(shift: SpotShift, distance: float) -> tuple[float, float]:
 
 
 def fit_spots(ahead: Sequence[SpotShift], left: Sequence[SpotShift], distance: float) -> Rates:
-    """Fit yaw, roll and pitch rates, by least squares, to spots of lasers that point ahead (+x) and left
-    (+y).
+    """Estimate how the base turns and tilts with the arm's motion, by least squares, from the spots of
+    lasers.
+
+    The results are the yaw for each swing of the arm, and roll and pitch for each metre of the hand's motion.
+    The lasers are on the base and point ahead (+x) and left (+y).
 
     Spots of one of the lasers may be missing. Hatano et al. (2000) use only the laser that points to the
     left.

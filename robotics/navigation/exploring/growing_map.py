@@ -61,7 +61,7 @@ class GrowingMap:
 
     @property
     def last(self) -> Keyframe:
-        """The latest keyframe."""
+        """The latest keyframe of the map."""
         return self.graph.frames[-1]
 
     @property
@@ -158,7 +158,9 @@ class GrowingMap:
 
     @property
     def start_surface(self) -> Surface:
-        """Surfaces that the first keyframes' scans show, in the base frame of the first keyframe."""
+        """Surfaces of the surroundings in the scans of the first keyframes, in the base frame of the first
+        keyframe.
+        """
         frames, poses = self.graph.frames[:START_KEYFRAMES], self.poses[:START_KEYFRAMES]
         return submap(frames, poses, poses[0])
 

@@ -150,7 +150,9 @@ class SensorView(NamedTuple):
     """Angle from the first to the last beam, anticlockwise, in [rad]; 2 pi all around."""
 
     def turned(self, angle: float) -> SensorView:
-        """Return the view in a frame whose x axis points along `angle` in [rad]."""
+        """Return the field of view in a frame with the same origin whose x axis points along `angle`, in
+        [rad].
+        """
         cos, sin = math.cos(angle), math.sin(angle)
         x, y = cos * self.x + sin * self.y, cos * self.y - sin * self.x
         return SensorView(x, y, self.start - angle, self.width)

@@ -20,7 +20,7 @@ Box = tuple[float, float, float, float, float]
 
 
 class BoxWalls(NamedTuple):
-    """Result of comparing the walls of a map with the boxes that are truly in the mapped world."""
+    """Errors of a map's walls, found by comparing the map with the true boxes of the simulated world."""
 
     cells: FloatArray
     """(n,) distance of each wall cell to the nearest surface of a box, in [m]."""

@@ -159,7 +159,8 @@ def close_loop(
 
 
 def contradictions(places: tuple[KeyframeView, KeyframeView], pose: Pose2) -> float:
-    """Return the larger share, 0 to 1, of points of one place that lie in the other's free space.
+    """Return the larger share, 0 to 1, of the scan points of one keyframe that lie in the free space seen
+    from the other one.
 
     Args:
         places: views of the first and the second keyframe.

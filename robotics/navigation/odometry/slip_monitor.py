@@ -20,7 +20,7 @@ class RolledWay(NamedTuple):
     sideways: float = 0.0
 
     def added(self, left: float, right: float, sideways: float) -> RolledWay:
-        """Return the travel after further travel of the wheels.
+        """Return this travel of the wheels plus further travel.
 
         Args:
             left: travel of the left wheels, in [m].

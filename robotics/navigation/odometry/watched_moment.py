@@ -76,7 +76,7 @@ class WatchedMoment(NamedTuple):
     def corrected(
         self, covariance: FloatArray, rows: FloatArray, residual: FloatArray, variance: float
     ) -> Self:
-        """Return the moment after a filter update by readings that depend on the present states.
+        """Return the estimate of the earlier states after a filter update by readings of the present states.
 
         Args:
             covariance: (n, n) of the present states before the readings, in their units squared.

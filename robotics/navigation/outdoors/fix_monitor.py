@@ -86,7 +86,7 @@ class FixMonitor:
         return True
 
     def reset(self) -> None:
-        """Discard the residuals so far, and accept fixes again."""
+        """Discard what is stored about earlier fixes, and accept fixes again."""
         self.doubting = False
         self._sums, self._doubted = [], []
 

@@ -123,8 +123,9 @@ class HeadingBank:
         return float(self.belief.covariance[2, 2]) <= sigma**2
 
     def advance(self, advance: Advance) -> None:
-        """Predict all filters by one step of wheels and gyros, and correct the gyro's bias by its readings at
-        rest.
+        """Predict the filters of all assumed headings by one step of wheels and gyros.
+
+        While the base rests, the estimate of the gyro's bias is corrected by the gyro's readings.
         """
         new_leg = self._rested and advance.rest < advance.time
         self._rested = advance.rest > 0.0

@@ -335,9 +335,11 @@ class Ways:
 
 
 def without_front(grid: GridMap, front: FloatArray) -> GridMap:
-    """Return a map on which the cells along a straight front are free.
+    """Return a map on which the cells along the straight front of an object, at which the base docks, are
+    free.
 
-    The position of the front is known more exactly than that of the cells, and is checked separately.
+    The front's clearance is checked separately, because its position is known more exactly than the map's
+    cells are.
 
     Args:
         grid: the map.

@@ -41,8 +41,8 @@ class Gap(NamedTuple):
 class Alike(NamedTuple):
     """Result of comparing two views of a piece of the shelf's front.
 
-    `apart` is the difference of the views in grey levels at the best match. `shows` is the mean deviation of
-    the piece's grey levels from their median.
+    `apart` is the difference of the views in grey levels at the best match. `shows` is the contrast of the
+    piece, as the mean deviation of its grey levels from their median.
     """
 
     apart: float

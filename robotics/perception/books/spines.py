@@ -42,8 +42,8 @@ class Spine(NamedTuple):
 class SpineView(NamedTuple):
     """Result of finding spines in one view of the shelf; all positions are y in the shelf frame, in [m].
 
-    `spines` are labelled, and from left to right. `sides` are the positions of all edges that run up the
-    view. `strips` contain the grey levels of the view. `eye` is the position of the camera; sides near it are
+    `spines` are the spines with a label, from left to right. `sides` are the positions of all vertical edges.
+    `strips` contain the grey levels of the view. `eye` is the position of the camera; sides near it are
     measured best. `left` and `right` are the ends of the visible part of the shelf's front. `leaning` are
     labels of leaning books, whose sides are unknown.
     """

@@ -34,7 +34,7 @@ class Kind(NamedTuple):
 
 
 class PlannedMark(NamedTuple):
-    """Landmark of a plan, with the pose at which the plan expects it."""
+    """Landmark that the robot expects to see at a planned pose of its base."""
 
     kind: Kind
     place: Pose2
