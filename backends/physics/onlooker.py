@@ -46,7 +46,7 @@ class Onlooker:
 
     @property
     def at(self) -> FloatArray:
-        """Point (3,) in the world at which the camera looks, in [m]."""
+        """Point (3,) in the world at which the chase camera looks, in [m]."""
         return self._at
 
 

@@ -74,8 +74,7 @@ def _kind(domain: str, path: str) -> type[Survey]:
 
 
 class Surveys:
-    """Surveys (observers) that evaluate one run by the ground truth; one that raises an exception is removed.
-    """
+    """Surveys (observers) that evaluate one run by ground truth; one that raises an exception is removed."""
 
     def __init__(self, run: SurveyedRun) -> None:
         """Create the surveys for a run that is about to start or continue."""

@@ -42,8 +42,7 @@ class PostureFacts(NamedTuple):
 
 
 def posture_facts(robot: RobotFile) -> list[PostureFacts]:
-    """Return self-contacts, reach and further facts of each posture in a robot's file; empty without an arm.
-    """
+    """Return self-contacts, reach and more facts of each posture in a robot's file; empty without an arm."""
     if robot.arm is None:
         return []
     arm = opened_arm(robot)

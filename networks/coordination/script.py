@@ -28,8 +28,7 @@ class WithResult(FileModel):
 
 
 class Script(FileModel):
-    """Scripted outcomes for the actions of a run, in order; actions after the last scripted outcome succeed.
-    """
+    """Scripted outcomes for the actions of a run, in order; actions after the last outcome succeed."""
 
     format: Literal["handcart-script/1"]
     outcomes: Annotated[list[Word | WithResult], Field(max_length=10_000)]

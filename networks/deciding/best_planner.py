@@ -29,10 +29,10 @@ def _chance(action: Action) -> Chance:
 
 
 class BestPlanner(Planner):
-    """Planner by the best policy, which computes each of its decisions once and then keeps it.
+    """Planner that follows the best policy, and computes each of its decisions only once.
 
-    A plan assumes the first result of each action (`Action.target`). For a goal other than the network's, the
-    plan is the cheapest route.
+    A plan assumes the first result of each action (`Action.target`). For a goal other than the network's, it
+    is the cheapest sequence of actions to that goal.
     """
 
     def __init__(self, best: BestPolicy) -> None:

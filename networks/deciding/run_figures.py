@@ -67,13 +67,13 @@ def rule_figures(process: Process, forecaster: Forecaster) -> PolicyFigures:
 def rule_price(process: Process, forecaster: Forecaster, forecast: Forecast) -> tuple[float, float]:
     """Return a lower and an upper bound of the expected price of a run that follows the rule, in [s].
 
-    The rule takes the cheapest route. The price is the time of the run, and `person_s` for each end short of
-    the goal.
+    The rule always starts the first action of the cheapest plan to the goal. The price is the time of the
+    run, plus `person_s` if it ends short of the goal.
 
     Args:
         process: the network with its prices.
         forecaster: forecaster of the same network and outcome probabilities.
-        forecast: the forecaster's forecast of the unchanged network.
+        forecast: the result of this forecaster.
     """
     low = sum(_price(process, part) for part in _parts(forecaster))
     if not forecast.unknown:

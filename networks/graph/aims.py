@@ -80,7 +80,7 @@ class Aims:
         return found
 
     def words(self) -> dict[str, str]:
-        """Return the aims that are set, as text for people, by the aim's name."""
+        """Return the time-out, rounds and interrupts of a task, as far as it has them, as text by name."""
         found: dict[str, str] = {}
         if self.time_out_s is not None:
             found["time-out"] = f"{self.time_out_s:g} s{' for each round' if self.rounds else ''}"

@@ -64,8 +64,7 @@ class Binding:
 
     @classmethod
     def of(cls, primitive: ActionPrimitive) -> Binding:
-        """Return a binding (a primitive with its parameters) in which the values of all parameters are fixed.
-        """
+        """Return a binding (a primitive with its parameters) whose parameters all have fixed values."""
         return cls(type(primitive), {name: getattr(primitive, name) for name in type(primitive).model_fields})
 
     @cached_property

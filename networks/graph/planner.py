@@ -96,7 +96,7 @@ class Planner:
         self._reasons[action.index] = times + 1, reason
 
     def hoped(self, action: Action) -> None:
-        """Count a Fail for an action that succeeded although the plan needed its Fail."""
+        """Count a Success of an action as a Fail, because the plan leads on only by a Fail of the action."""
         Planner.failed(self, action, "it succeeded, and its Fail was needed")
 
     def succeeded(self, action: Action) -> bool:

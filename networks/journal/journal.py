@@ -181,10 +181,10 @@ class Journal:
 
     @property
     def durable(self) -> bool:
-        """True if all records are on the disk, as far as `sync` demands it; always True with `never`.
+        """True if all records are on the disk, as far as the journal's setting `sync` demands it.
 
-        With `beside`, another thread writes the records to the disk, so that the value becomes True with a
-        short delay.
+        With the setting `never` it is always True. With `beside`, another thread writes the records to the
+        disk, so that it becomes True with a short delay.
 
         Raises:
             JournalError: the records cannot be brought to the disk; every further record raises it, too.

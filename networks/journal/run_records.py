@@ -84,7 +84,7 @@ class StartRecord(TypedDict):
 
 @with_config(_OPEN)
 class CauseWords(TypedDict):
-    """Record of the reason why an attempt did not succeed, in words, as kind, and as what was measured."""
+    """Record of the cause why an attempt did not succeed: its text, its kind, and the deciding reading."""
 
     reason: str
     kind: NotRequired[str]

@@ -54,10 +54,10 @@ class Option:
     """Probability of Success by the beliefs of the run; None without beliefs."""
 
     def threshold_s(self, chosen: OpenRoute) -> float | None:
-        """Return the cost below which the rule would choose the action, in [s].
+        """Return the cost below which the rule would have chosen this action, in [s].
 
-        The rule takes the cheapest route. The result is None if no route begins with the action, or if the
-        rule would not choose the action at any cost.
+        The rule chooses the first action of the cheapest plan to the goal. The result is None if no plan
+        begins with the action, or if the rule would not have chosen it at any cost.
         """
         if self.way is None:
             return None

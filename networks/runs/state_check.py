@@ -43,7 +43,9 @@ class StateCheck:
     """Units of the arm's joints."""
 
     def words(self) -> list[str]:
-        """Return lines of text on the expected and the measured state, and on facts that are unknown."""
+        """Return lines of text with the robot's expected and measured state, and with facts that no sensor
+        measures.
+        """
         found = self.residuals.words_with_limits
         lines = [] if self.expected is None else [f"expected: {_stands(self.expected, self.units)}"]
         lines.append(f"measured: {_stands(self.measured, self.units)}; off by {found or 'nothing known'}")

@@ -50,8 +50,7 @@ BASE_TILT_COVARIANCE = np.diag([0.010, 0.010, 0.010]) ** 2
 
 
 class Fixation(NamedTuple):
-    """Result of a fixation, which measures the base's pose by pictures of a landmark from the hand's camera.
-    """
+    """Result of a fixation, which measures the base's pose by the hand camera's pictures of a landmark."""
 
     planned_T_base: Pose2
     """Travelling error dT_M of the base, as its pose relative to the planned one."""

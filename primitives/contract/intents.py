@@ -14,7 +14,9 @@ class Intents:
         """Announce an effect that is about to begin, such as the fingers closing on something."""
 
     def passed(self, what: str) -> None:
-        """Announce that a point of no return is passed."""
+        """Announce that the running action has passed its point of no return, after which it cannot be
+        undone.
+        """
 
     @property
     def kept(self) -> bool:

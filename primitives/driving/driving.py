@@ -235,9 +235,9 @@ class ObstacleMonitor:
         return sensed
 
     def around(self, robot: Robot, blocking: FloatArray) -> FloatArray:
-        """Return an obstacle's points (n, 2) near the point (2,) of it that the base would touch.
+        """Return the points (n, 2) of an obstacle near `blocking`, the point (2,) that the base would touch.
 
-        These are that point and the points near it in this period's scan, all on the map, in [m]. Points
+        The result is that point and the points near it in this period's scan, all on the map, in [m]. Points
         within a cell of a mapped wall are taken for the wall, and left out.
         """
         points = robot.pose.apply(robot.surroundings())

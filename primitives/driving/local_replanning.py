@@ -49,8 +49,7 @@ NEARER_FACTOR = 3.0  # of the time that the rest takes at top speed, if that is 
 
 
 class LocalReplanning:
-    """Repeated planning of the route during a drive, around people and obstacles that the map does not show.
-    """
+    """Repeated planning of the route in a drive, around people and obstacles that the map does not show."""
 
     def __init__(self, robot: Robot, model: ModelView, name: str, place: Place | None = None) -> None:
         """Begin a drive to the place `name`, or to `place` on the way, with what earlier drives sensed."""

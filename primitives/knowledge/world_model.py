@@ -292,7 +292,7 @@ class WorldModel:
         """Restore the knowledge returned by `state`.
 
         Raises:
-            NotAState: the data is not such a state.
+            NotAState: the data is not the state of a world model.
         """
         if not isinstance(state, dict) or not isinstance(state.get("sections"), dict):
             raise NotAState("no state of a world model; needed: sections")

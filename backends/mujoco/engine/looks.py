@@ -51,5 +51,7 @@ class Looks:
 
     @property
     def count(self) -> int:
-        """Number of entries; if it has changed, the model for rendering has to be built again."""
+        """Number of bodies with an appearance; if it has changed, the model for rendering has to be built
+        again.
+        """
         return len(self.boxes) + len(self.tiles) + len(self.sheets) + len(self.things)

@@ -57,7 +57,7 @@ class Link(Protocol):
         """Return the number of nodes that subscribe to a topic."""
 
     def listeners(self, topic: str) -> list[str]:
-        """Return the names of the nodes that subscribe to a topic, each with the message type."""
+        """Return the nodes that subscribe to a topic, as texts with the node's name and the message type."""
 
     def mismatches(self, topic: str, is_command: bool) -> list[str]:
         """Return a text for each node of a topic whose quality of service does not match that of this node.

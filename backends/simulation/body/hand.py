@@ -94,7 +94,7 @@ class SimulatedHand:
         return NO_TOUCH if there.depth <= here.depth else there
 
     def follow_base(self) -> None:
-        """Update the held object's pose after the base was moved."""
+        """Move the held object with the hand, after the simulated base was moved."""
         if self.scene.held is not None:
             self.carry(self.scene.joints)
 

@@ -21,9 +21,7 @@ LEAST_CLEARANCE = 0.0003
 
 @dataclass(frozen=True)
 class Entry:
-    """State of inserting a held book whose leading edge has passed the front of a row, with shelf, slot and
-    outcome.
-    """
+    """State of inserting a held book into a row, from when its leading edge has passed the row's front."""
 
     shelf: SimulatedShelf
     slot: FreeInterval

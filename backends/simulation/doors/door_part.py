@@ -92,8 +92,8 @@ class DoorPart(PrintedThing):
 def handle_T_part(spec: SimulatedDoorSpec, part: str) -> Transform:
     """Return the pose handle_T_part (4, 4) of a part of a door in the frame of its handle.
 
-    The handle's frame has its origin in the middle of the bar, x away from the closed door, z up. The part is
-    `FRONT` or `HANDLE`; the origin of its frame is in the middle of its lower end.
+    The handle's frame has its origin in the middle of the handle's bar, x away from the closed door, z up.
+    The part is `FRONT` or `HANDLE`; the origin of the part's frame is in the middle of the part's lower end.
     """
     if part == FRONT:
         return np.asarray(spec.front(spec.true_joint())[0] @ transform((0.0, 0.0, -spec.height_mm / 2e3)))

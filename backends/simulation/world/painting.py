@@ -146,12 +146,13 @@ def picture_frame(side: Side, box: Box) -> tuple[Transform, tuple[float, float]]
 
 
 def picture_levels(picture: ByteArray, width: float, height: float) -> Levels:
-    """Return a grey picture with square pixels, at full resolution and then halved several times.
+    """Return a grey picture on a box's face with square pixels, at full resolution and then halved several
+    times.
 
     Each level is a picture (h, w) and the size of its pixels in [m].
 
     Args:
-        picture: (h, w), fills the face.
+        picture: (h, w), fills the face of the box.
         width: width of the face, in [m].
         height: height of the face, in [m].
     """

@@ -29,10 +29,10 @@ class Runs(Protocol):
     """
 
     def advance(self, level: int, starts: IndexArray | int) -> Level:
-        """Continue runs until they end or reach a level, and keep their states at the level.
+        """Continue runs until they end or reach a level of multilevel splitting, and keep their states there.
 
         Args:
-            level: importance at which the runs are stopped, from 1.
+            level: importance (nearness to the rare outcome) at which the runs are stopped, from 1.
             starts: (n,) for each run, the index of the state kept at the previous level that it starts from;
                 or the number of runs that start from the beginning.
         """

@@ -68,7 +68,10 @@ class WalkTable:
         self.start = self.first(np.array([start], dtype=np.int32))[0]
 
     def columns(self) -> Columns:
-        """Return the table's columns for all states computed so far; a later call may return more rows."""
+        """Return the decisions in all states that walks have reached so far, as an array for each column.
+
+        A later call may return more rows.
+        """
         if self._columns is None:
             columns = np.array(self._rows, dtype=np.int32).reshape(-1, 6).T
             action, fails, following, after_fail, for_good, skip = columns

@@ -151,7 +151,10 @@ class FailsAfterNoReturn(Reach):
 
 
 class Hangs(Reach):
-    """Mutant primitive whose restoring never ends and never yields."""
+    """Primitive with a planted fault, by which its restoring never ends and never yields.
+
+    The conformance kit has to find this fault.
+    """
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:

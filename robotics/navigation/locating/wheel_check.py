@@ -87,7 +87,8 @@ class WheelCheck:
         self.is_doubtful = self.is_contradicted = False
 
     def roll(self, left: float, right: float, sideways: float) -> None:
-        """Take the wheels' travel in a period into account.
+        """Move the earlier scans, with which the next scan will be compared, by the wheels' travel in a
+        period.
 
         Args:
             left: travel of the left wheels, in [m].
@@ -235,7 +236,8 @@ class Baseline:
         return float(disagreement_of_ranges(then, pose, beams.origin, beams.angles, beams.ranges))
 
     def contradiction(self, beams: ScanBeams, lag: float) -> Contradiction | None:
-        """Return the base's pose by a scan if it contradicts the wheels; None if the wheels may be right.
+        """Return the base's pose by a scan if it contradicts the motion measured by the wheels, otherwise
+        None.
 
         Args:
             beams: beams of the scan.

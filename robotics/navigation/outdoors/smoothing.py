@@ -105,7 +105,7 @@ class TrackRecord:
 
     @property
     def entries(self) -> Entries:
-        """Return the present size of the record, for `rewind`."""
+        """Size of the record now, to which `rewind` can reset it later."""
         return Entries(self._starts, len(self._links), self._latest)
 
     def rewind(self, entries: Entries) -> None:

@@ -178,7 +178,7 @@ def _flat_label(
 def cut_to_print(crop: ByteArray) -> ByteArray:
     """Return a crop (h, k), grey, without the empty paper before and after the text.
 
-    A margin of a fifth of its height stays on both sides.
+    A margin of a fifth of the crop's height stays on both sides.
 
     Args:
         crop: (h, w), grey.

@@ -125,7 +125,8 @@ def strips_of(view: FlatView) -> Strips:
 
 
 def upright(strips: Strips) -> Strips:
-    """Return strips that are shifted sideways against each other, so that edges of books are upright.
+    """Return horizontal strips of a picture of books, shifted sideways against each other, so that the books'
+    edges are upright.
 
     This corrects a small roll of the camera. Of several tilts, the one is chosen at which the edges in all
     strips are best in line. Positions at the mean height are unchanged.
