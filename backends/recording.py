@@ -18,7 +18,9 @@ class Recording(ABC):
 
     @abstractmethod
     def open(self, folder: Path) -> None:
-        """Start to write the traffic into a folder, beginning with the traffic before this call."""
+        """Start to write the raw messages to and from the robot into a folder, including those before this
+        call.
+        """
 
     @abstractmethod
     def look(self, time: float) -> None:

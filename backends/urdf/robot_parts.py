@@ -70,7 +70,7 @@ class PartSpec(FileModel):
     """Prefix of the names of the part's links and joints, needed where two parts share a name."""
 
     def part(self, text: str) -> Part:
-        """Convert these keys of a robot's file to a part to be mounted.
+        """Convert this entry of a robot's file to a part that can be mounted.
 
         Args:
             text: text of the part's URDF.

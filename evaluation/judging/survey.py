@@ -73,7 +73,7 @@ class SurveyedRun:
 
     @classmethod
     def of(cls, prepared: Prepared, folder: Path | None = None) -> SurveyedRun:
-        """Return those parts of a prepared run that surveys (evaluations) may read."""
+        """Return those components of a prepared run that surveys (observers that evaluate it) may read."""
         robot = prepared.robot
         does = frozenset(action.do for action in prepared.task.network.actions)
         scene = simulated_world(prepared.backend)

@@ -63,7 +63,9 @@ class Figures:
     """Influences of the actions, the one with the largest effect on P(goal) first."""
 
     def for_programs(self) -> dict[str, Any]:
-        """Return the forecast and the influences as `handcart check --json` prints them."""
+        """Return the forecast of how runs end, and each action's influence on it, as in `handcart check
+        --json`.
+        """
         forecast = {"assumption": FORECAST_ASSUMPTION, **_named(self.forecast)}
         return {**forecast, "actions": [_row(influence) for influence in self.influences]}
 

@@ -99,7 +99,10 @@ class StateCodes:
         return State(self._names[place], tuple(fails))
 
     def forgotten(self, states: FlowStates) -> FlowStates:
-        """Return the states with counts of Fails set to 0 if no run can start their actions any more."""
+        """Return the states without counts of Fails that no longer matter, set to 0.
+
+        A count no longer matters if none of its actions can be started from the state any more.
+        """
         return states._replace(counts=states.counts * self._keeps[states.place])
 
     def merged(self, every: Sequence[FlowStates]) -> FlowStates:

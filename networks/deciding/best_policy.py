@@ -128,7 +128,9 @@ class BestPolicy:
         return visited(self.network, begin, self.known_step)
 
     def known_step(self, state: State) -> Step | None:
-        """Return the decision in a state without searching; None if runs are unlikely to reach the state."""
+        """Return the policy's decision in a state if it is computed already; None if runs are unlikely to
+        reach the state.
+        """
         decision = self.values.likely(state)
         return None if decision is None else self._step(state, decision)
 

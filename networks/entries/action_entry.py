@@ -60,7 +60,7 @@ class ActionEntry(TaskEntry):
 
     @property
     def leads_to(self) -> list[str]:
-        """All situations that the action may lead to, that of a Fail last."""
+        """All situations that the action may lead to, first those after Success, then those after Fail."""
         return [*(ending.target for ending in self.endings), *self.fail_situations]
 
     @property

@@ -138,7 +138,9 @@ class LandmarkViews:
         return None
 
     def hides(self) -> bool:
-        """Return whether the wanted landmark is missing in the last picture although it should be in view."""
+        """Return whether the landmark that is searched is missing in the last picture although it should be
+        in view.
+        """
         if self.explanation is None or self.wanted() is not None:
             return False
         mark = self._sought.mark

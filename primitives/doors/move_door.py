@@ -111,7 +111,7 @@ class MoveDoor(ActionPrimitive):
         return "" if self.door in known else f"unknown door {self.door!r}"
 
     def known(self, model: ModelView) -> KnownDoor:
-        """Return the door as the file describes it."""
+        """Return the door that this action moves, as the file of doors describes it."""
         return model.of(Doors).doors.doors[self.door]
 
     def believed_joint(self, robot: Robot, model: ModelView) -> DoorJoint:

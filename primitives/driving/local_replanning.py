@@ -86,7 +86,7 @@ class LocalReplanning:
 
     @property
     def waits_since(self) -> float | None:
-        """Time since which an obstacle or people stop the base, in [s]; None if it makes progress."""
+        """Time since which an obstacle or people stop the base, in [s]; None if the base makes progress."""
         since = [item for item in (self.blocked_since, self.people.waits_since) if item is not None]
         return min(since, default=None)
 
@@ -335,7 +335,7 @@ class LocalReplanning:
         return None if obstacle is None else length
 
     def turn_to(self, goal: Pose2, robot: Robot) -> None:
-        """Let the drive lead to another goal, map_T_base, from here on."""
+        """Replace the goal of the drive by another pose map_T_base, to which further routes lead."""
         self._goal, self._front, self._job, self.blocked_since = goal, None, None, None
         self._nearest, self._nearer_at = np.inf, robot.time
 

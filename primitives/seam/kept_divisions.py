@@ -11,7 +11,10 @@ MAX_DIVISIONS = 32  # that are kept
 
 
 class KeptDivisions:
-    """Cache of divisions of a seam; its key is all data on which a division depends."""
+    """Cache of divisions of a seam into parts, each tracked from one pose of the base.
+
+    The key of a division is all data on which it depends.
+    """
 
     def __init__(self) -> None:
         self._kept: dict[bytes, Placements] = {}

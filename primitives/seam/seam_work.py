@@ -54,7 +54,7 @@ class SeamWork(NamedTuple):
 
     @property
     def rest(self) -> tuple[SeamPart, ...]:
-        """Parts of the seam that are divided and not yet tracked."""
+        """Parts into which the rest of the seam was divided, as far as they are not tracked yet."""
         return () if self.next is None or self.next.empty else (self.next, *self.after)
 
     def done(self) -> SeamWork:

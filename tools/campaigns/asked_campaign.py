@@ -215,8 +215,8 @@ class OpenCampaign:
     _counted: WalkTally | None = None
 
     def run(self, jobs: int | None, cluster: str | None = None) -> Generator[int, None, None]:
-        """Run the missing trials until all are done or a claim is settled; yield the number of new trials
-        repeatedly.
+        """Run the missing trials until all are done or the claim `until` is decided; yield numbers of new
+        trials.
 
         Trials on the network alone that need not be stored are counted in batches of thousands; each of them
         can be repeated by its seed.
@@ -227,7 +227,8 @@ class OpenCampaign:
 
         Raises:
             InputError: both `jobs` and `cluster` are given.
-            HandcartError, KeyboardInterrupt: as `run_campaign` does.
+            HandcartError: a trial cannot be run or stored.
+            KeyboardInterrupt: the user ended the campaign.
         """
         if cluster is not None and jobs is not None:
             raise NotPossible(

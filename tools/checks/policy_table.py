@@ -22,7 +22,8 @@ FOUND_SHARE = 1e-3
 def comparison_lines(found: PolicyComparison, person_s: float) -> Iterator[str]:
     """Yield lines of text: a table of two policies, and the decisions in which the policies differ.
 
-    The two are the rule, which always takes the cheapest route, and the best policy that was found.
+    One policy is the rule, which always starts the first action of the cheapest plan to the goal; the other
+    is the best policy that was found.
 
     Args:
         found: comparison of the rule and the best policy, with their prices.

@@ -64,7 +64,7 @@ class WalkedTrials:
         return self._kept[1]
 
     def times(self, walked: Walked) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-        """Return the duration of each walk, (n,) in [s]."""
+        """Return the duration of each random walk, (n,) in [s]."""
         return np.asarray(walked.seconds.sum(axis=0) + self._odds.rest_s)
 
     def trial_of(self, seed: int, walked: Walked, column: int) -> Trial:

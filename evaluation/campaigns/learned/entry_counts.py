@@ -102,7 +102,9 @@ class EntryCounts:
         return low, high
 
     def words(self) -> str:
-        """Return the counts as text, for a comment next to the action in the task's file."""
+        """Return the recorded outcomes of an action as text, for a comment next to the action in the task's
+        file.
+        """
         low, high = self.p_95
         shares, parts = self.by_cause, list[str]()
         for name, count in sorted({**dict.fromkeys(shares, 0), **self.causes}.items()):

@@ -39,9 +39,11 @@ class LevelSeen(NamedTuple):
 
     @property
     def unseen(self) -> float:
-        """Upper bound (95 %) of what a level without a rare outcome contributes to the outcome's probability.
+        """Upper bound (95 %) of this level's contribution to the rare outcome's probability in multilevel
+        splitting.
 
-        It is 0 for a level at which a run had the rare outcome.
+        It is 0 if a run that started at the level had the rare outcome, because the contribution is then
+        estimated.
         """
         return (
             0.0 if self.hits else self.share * -math.expm1(math.log(INTERVAL_ERROR_RATE) / max(1, self.runs))

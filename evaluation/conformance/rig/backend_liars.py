@@ -123,7 +123,10 @@ class MovesAtOnce(LayeredBackend):
 
 
 class WrongUnits(LayeredBackend):
-    """Mutant backend whose wheel travel is in millimetres instead of metres."""
+    """Backend with a planted fault, by which it reports the wheels' travel in millimetres instead of metres.
+
+    The conformance kit has to find this fault.
+    """
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
@@ -210,7 +213,10 @@ class TurnsOtherWay(LayeredBackend):
 
 
 class FixInMillimetres(LayeredBackend):
-    """Mutant backend whose receiver reports millimetres."""
+    """Backend with a planted fault, by which its satellite receiver reports positions in millimetres.
+
+    The conformance kit has to find this fault.
+    """
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)

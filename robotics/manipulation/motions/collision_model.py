@@ -75,7 +75,7 @@ class CollisionModel:
 
     @property
     def pairs(self) -> int:
-        """Number of pairs of bodies that are checked."""
+        """Number of pairs of bodies that are checked for collisions."""
         return len(self._bodies.collisionPairs)
 
     def in_collision(self, q: FloatArray) -> bool:

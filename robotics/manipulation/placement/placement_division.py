@@ -141,8 +141,7 @@ def _longest_first(scores: PlacementScores) -> list[PathSegment]:
 
 
 def stuck_at(scores: PlacementScores, index: int) -> Untrackable:
-    """Return the error that no base pose lets the arm track both point `index` of a path and the next point.
-    """
+    """Return the error that no base pose lets the arm track both point `index` of a path and the next."""
     scores.check()
     return Untrackable(index + 1, "can't be tracked from a placement that also tracks the point before it")
 

@@ -63,10 +63,9 @@ def fit_sightings(
     """Fit a `SuspensionModel` to sightings of the landmarks on one sheet, seen from many postures of the arm.
 
     The arm's error shifts all four corners of a landmark in the picture together, and hardly changes the
-    landmark's size. Sightings are weighted accordingly: tilt and pivot are distinguished by the measured
-    heights, and these would otherwise be lost in the arm's sideways error. The pose of the sheet is fitted
-    too, with height and tilt, because at the reference posture the base is already tilted by an unknown
-    angle.
+    landmark's size. Sightings are weighted accordingly: without weights, the arm's sideways error would hide
+    the measured heights, by which tilt and pivot are distinguished. The pose of the sheet is fitted too, with
+    height and tilt, because at the reference posture the base is already tilted by an unknown angle.
 
     Args:
         sightings: sightings of landmarks, each with the motion of the arm before it.

@@ -29,7 +29,8 @@ TOUCHING_CELLS = 1e-6  # [cells]: nearer than this, a line touches a square
 class BlockedSquares(NamedTuple):
     """Tables of a map's blocked cells, for fast distance queries; everything beyond the map is blocked.
 
-    The arrays `above`, `below` and `distance` are one cell larger than the map on every side.
+    The tables hold the nearest blocked row in each direction of a column, and the distance to the nearest
+    blocked cell. The arrays `above`, `below` and `distance` are one cell larger than the map on every side.
     """
 
     above: Int16Array | Int32Array

@@ -60,8 +60,8 @@ class SlipMonitor:
         return self._rolled == 0.0
 
     def roll(self, left: float, right: float, variance: float) -> None:
-        """Add the wheels' travel, and the heading variance by assumed slip, to the sums of the present
-        window.
+        """Add the wheels' travel, and the heading variance by assumed slip, to the sums of the present window
+        of travel.
 
         Args:
             left: travel of the left wheels, in [m].

@@ -119,7 +119,7 @@ class FieldKalman:
         return Belief(self._mean, self._spread)
 
     def mark(self) -> Belief:
-        """Mark this moment, for which `smoothed` shall return a belief, and return the filter's present
+        """Mark the present time, so that `smoothed` estimates the states at this time, and return the present
         belief.
         """
         self._note(FilterRequest.MARK)

@@ -15,10 +15,10 @@ PAPER, INK = 244, 22
 
 
 class Landmark(NamedTuple):
-    """Landmark as it was seen in an image.
+    """Printed landmark as it was seen in an image.
 
-    Its frame has the origin in the middle, x to the right, y up, and z out of the paper; the white field is
-    at the upper left.
+    Its frame has the origin in the middle of the landmark, x to the right, y up, and z out of the paper. The
+    white field of the print is at the upper left.
     """
 
     corners: FloatArray
