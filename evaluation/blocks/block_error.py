@@ -27,7 +27,7 @@ class BlockError(NamedTuple):
 
     @property
     def size(self) -> float:
-        """Length of the error in the plane, x and y, in [mm]."""
+        """Horizontal distance of the block from its goal, in [mm]."""
         return math.hypot(self.x, self.y)
 
     @property

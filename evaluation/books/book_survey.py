@@ -55,10 +55,10 @@ class BookSurvey(Survey):
 
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
-        """Return whether the run has shelves or returns books.
+        """Return whether this evaluation applies to a run, which needs shelves or has to return books.
 
-        If the run has shelves but returns no books, the survey measures only how exactly the base stops in
-        front of shelves.
+        If the run has shelves but returns no books, only the errors of the base's stops in front of shelves
+        are measured.
         """
         return super().applies(run) or bool(run.scene is not None and run.scene.of(BookProps).shelves)
 

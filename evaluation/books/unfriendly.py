@@ -172,7 +172,7 @@ def no_slot(row: ShelfRow, book: GeneratedBook, spoilt: Mapping[int, str]) -> st
     Args:
         row: row with the gap of the book.
         book: the lent book.
-        spoilt: reasons that are known already, by the book's accession number.
+        spoilt: reasons known already for books that do not fit their gaps, by the book's accession number.
     """
     if book.accession in spoilt:
         return spoilt[book.accession]

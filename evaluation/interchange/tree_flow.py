@@ -87,7 +87,9 @@ class TreeFlow:
         }
 
     def translate(self, tree: str) -> str:
-        """Add the actions of a behaviour tree to the drafted task, and return the situation before them."""
+        """Add the actions of a behaviour tree to the task under construction, and return the situation before
+        them.
+        """
         self._open.append(tree)
         root = self._trees[tree]
         if root.kind in ("Repeat", "KeepRunningUntilFailure") and self._count(root) < 0 and root.children:

@@ -201,7 +201,7 @@ class Survey(ABC):
 
 
 class FiguresSurvey(Survey):
-    """Base class of surveys that only collect metrics, by name, in `_figures`."""
+    """Base class of surveys (observers of a run) that only collect metrics, by name, in `_figures`."""
 
     noted = dict[str, float]
 

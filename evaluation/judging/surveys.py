@@ -188,7 +188,7 @@ class Surveys:
                 raise NotAState(f"{path}: of {survey.name}: {error}") from None
 
     def figures(self) -> dict[str, Any]:
-        """Return the metrics of all surveys for a run that has ended, by name."""
+        """Return the metrics that all surveys (observers) computed for a run that has ended, by name."""
         by_survey = [figures for _, figures in self._asked(lambda survey: survey.figures())]
         return {name: value for item in by_survey for name, value in item.items()}
 

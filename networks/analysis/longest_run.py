@@ -21,7 +21,9 @@ class Longest(NamedTuple):
     """Most actions of runs that end in the part, short of its goal."""
 
     def then(self, rest: Longest) -> Longest:
-        """Return the largest numbers of actions for runs through this part and then the part `rest`."""
+        """Return the largest numbers of actions for runs through this part of a network and then the part
+        `rest`.
+        """
         return Longest(self.through + rest.through, max(self.ended, self.through + rest.ended))
 
 

@@ -20,9 +20,9 @@ class NoOutlook(Exception):
 
 
 class Outlook(NamedTuple):
-    """Probabilities that a run reaches its goal without skipping an element, by the answer to a question.
+    """Probabilities that a run reaches its goal, by a person's answer to whether a waiting action may start.
 
-    The question is whether an action that waits for permission may start.
+    Runs that leave an element of a `repeat` undone are not counted as reaching the goal.
     """
 
     permitted: float

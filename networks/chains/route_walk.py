@@ -66,7 +66,7 @@ class RouteWalk:
     def after(self, states: FlowStates) -> Iterator[FlowStates]:
         """Follow runs from `states`, sorted by `counts`, until each run has one more Fail or has ended.
 
-        Yield the states after these Fails; add runs that end to `ends`.
+        Yield the states after these Fails; add the probability and cost of runs that end to `ends`.
         """
         counts, place, mass = states
         first = np.append(True, (counts[1:] != counts[:-1]).any(axis=1))

@@ -128,8 +128,8 @@ class BestPolicy:
         return visited(self.network, begin, self.known_step)
 
     def known_step(self, state: State) -> Step | None:
-        """Return the policy's decision in a state if it is computed already; None if runs are unlikely to
-        reach the state.
+        """Return the policy's decision in a state from the search so far; None if runs are unlikely to reach
+        the state.
         """
         decision = self.values.likely(state)
         return None if decision is None else self._step(state, decision)

@@ -112,7 +112,8 @@ class Aims:
     def begins_at(self) -> time | None:
         """Time of day at which a rehearsal (a run on a simulated robot) begins if no other one is given.
 
-        It is the first time of day of the rounds, otherwise of the interrupts; None if they have none.
+        It is the first time of day at which a round begins, otherwise the first one of an interrupt; None if
+        neither rounds nor interrupts have times of day.
         """
         of_rounds = self.rounds.at if self.rounds else ()
         of_interrupts = (item for interrupt in self.interrupts for item in interrupt.at)

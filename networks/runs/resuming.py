@@ -63,7 +63,11 @@ class Past:
 
     @property
     def resume_records(self) -> list[tuple[str, Mapping[str, Any], Mapping[str, Any]]]:
-        """Records to append to the journal before the run continues: kind, fields, fields under `wall`."""
+        """Records to append to the journal before the run continues.
+
+        Each has its kind, its fields, and those fields that are not part of the checksum (under the key
+        `wall`).
+        """
         records: list[tuple[str, Mapping[str, Any], Mapping[str, Any]]] = []
         if self.recovered is not None and self.checkpoint is not None:
             wall = {"checkpoint": self.checkpoint.digest}

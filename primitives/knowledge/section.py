@@ -33,7 +33,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class NamedFiles:
-    """The files that a task names for a section, by their keys under `knowledge:`."""
+    """Files that a task names for one domain's part of the world model, by their keys under `knowledge:`."""
 
     paths: Mapping[str, Path]
     """Paths of the named files."""
@@ -120,7 +120,7 @@ class Section:
 
     @classmethod
     def load(cls, files: NamedFiles) -> Self:
-        """Read the files that a task names; faults are added to `files.findings`."""
+        """Read this domain's files that a task names; faults are added to `files.findings`."""
         read = {key: files.read(key, partial(load, model=model)) for key, model in cls.FILES.items()}
         return cls(**{key: found for key, found in read.items() if found is not None})
 

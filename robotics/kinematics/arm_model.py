@@ -89,7 +89,8 @@ class ArmModel:
         self._base_T_root = self._root_T_base.inverse()
 
     def with_others(self, others: Mapping[str, float]) -> ArmModel:
-        """Return the arm with other joints at other positions, for example fingers opened to hold an object.
+        """Return this arm's model with joints outside the arm at given positions, for example with open
+        fingers.
 
         Repeated calls return the same object.
         """

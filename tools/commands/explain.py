@@ -36,7 +36,8 @@ def explain(
 ) -> None:
     """Print why a run chose an action, why the action failed, and whether it left everything as it was.
 
-    What it moved before its Fail is listed with the distance to where it was before.
+    If the action failed, each thing that it moved is listed with the distance from its place before the
+    action.
     """
     import orjson
 

@@ -93,8 +93,10 @@ class Handlers:
         return web.Response(body=details, content_type="application/json")
 
     async def after(self, request: web.Request) -> web.Response:
-        """Send the probabilities of reaching the goal if the waiting action is permitted, has succeeded, or
-        is refused.
+        """Send the probabilities of reaching the goal after each possible answer of a person about an action.
+
+        The action waits for permission; the person may permit it, report that it has succeeded already, or
+        refuse it.
         """
         folder, action = self._folder(request), request.match_info["action"]
         state = next(item for item in self._watcher.states() if item["name"] == request.match_info["run"])

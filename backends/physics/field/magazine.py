@@ -58,10 +58,10 @@ class Magazine(PropsBody):
             engine.set_pose(world.bodies[sensor.name], pose)
 
     def end(self) -> None:
-        """Put the next sensor back at its place in the magazine.
+        """Put the next sensor back at its place in the magazine, if the engine simulates a period in one
+        piece.
 
-        An engine that simulates a control period in one piece lets the sensor fall in it, because `act` is
-        not called in between.
+        In such a period the sensor falls a little, because nothing holds it between the steps of the engine.
         """
         if self.pieces.engine.chunks == 1:
             self.act()

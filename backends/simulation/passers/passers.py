@@ -45,7 +45,7 @@ class PasserPart(NamedTuple):
 
 
 class PasserShape:
-    """Box that represents a passer in camera pictures."""
+    """Box that represents a passer (a walking person or cart) in camera pictures."""
 
     grey = PASSER_GREY
 

@@ -111,7 +111,9 @@ class Scene:
 
     @cached_property
     def body_plan(self) -> FloorPlan:
-        """Return the floor plan of bodies that the base may run into."""
+        """Return the floor plan of the world's solids at the heights of the robot's body, which the base may
+        run into.
+        """
         return FloorPlan(self.solids, 0.02, self.robot.body_height)
 
     @cached_property

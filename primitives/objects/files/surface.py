@@ -44,7 +44,7 @@ class SurfaceSpot(FileModel):
         return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg or 0.0))
 
     def moved_by(self, before: Pose2, now: Pose2) -> Self:
-        """Return the spot after its surface was moved.
+        """Return this spot, where objects may be placed, after the surface that it is on was moved.
 
         Args:
             before: earlier pose of the surface, on the map.

@@ -47,8 +47,8 @@ class ScanJump:
 
     @property
     def is_doubtful(self) -> bool:
-        """True if the last scan disagrees with the earlier one, but a lifted base is not confirmed yet by
-        enough such scans.
+        """True if the last scans disagree with an earlier one, but too few of them to conclude that the base
+        was lifted.
         """
         return self._changes > 0
 

@@ -62,7 +62,9 @@ class KeyframeGraph:
 
     @property
     def edges(self) -> list[Edge]:
-        """All edges of the graph, between neighbouring keyframes, of measured poses and of loop closures."""
+        """All edges of the graph, from motions between neighbouring keyframes, measured poses, and loop
+        closures.
+        """
         return [*self._edges, *self.loop_edges]
 
     def append(self, frame: Keyframe, pose: Pose2, match: LineMatch) -> None:

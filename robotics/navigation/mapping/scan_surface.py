@@ -39,7 +39,7 @@ class Surface:
 
     @cached_property
     def tree(self) -> Any:
-        """Nearest-neighbour index of the points."""
+        """Nearest-neighbour index of the surface's points."""
         from scipy.spatial import cKDTree
 
         return cKDTree(self.points)

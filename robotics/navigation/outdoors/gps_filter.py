@@ -112,7 +112,7 @@ class GpsFilter(FieldLocalizer):
 
     @property
     def refused(self) -> int:
-        """Number of fixes that the filter of the most likely hypothesis rejected as outliers."""
+        """Number of fixes rejected as outliers by the filter that has the most likely noise model."""
         return self.best.refused
 
     @property

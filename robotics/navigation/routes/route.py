@@ -35,7 +35,7 @@ CORNER_ROUNDING_PASSES = 20  # of corner rounding: about half a metre of corner 
 
 
 class Route(NamedTuple):
-    """Route from the robot's position to its goal."""
+    """Planned route of the base from its position to a goal, as points on the map with their clearances."""
 
     points: FloatArray
     """Points (n, 2) in [m], evenly spaced by roughly a cell; the first is the start, the last the goal."""

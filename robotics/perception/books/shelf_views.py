@@ -90,10 +90,13 @@ def fuse_views(views: Sequence[SpineView], fuse: bool = True) -> ShelfReading:
 
 
 def fuse_labels(labels: Iterable[Label]) -> tuple[CallNumber | None, float]:
-    """Return the most probable call number by several readings of one label, and its share of their
-    confidence.
+    """Return the most probable call number by several readings of one label, and its share of confidence, 0
+    to 1.
 
-    None if nothing was read, or if no call number has more than half of the confidence of all readings.
+    The share is the confidence of the readings with this number divided by that of all readings with a
+    number.
+
+    The number is None if nothing was read, or if no number has a share of more than a half.
     """
     votes: dict[CallNumber, float] = {}
     for label in labels:

@@ -63,8 +63,8 @@ def find_slots(
 
     The two views taken from the places nearest to the interval are compared, by parallax. An edge at the same
     position in both views is the end of a surface in the front plane. The piece between two such edges is a
-    free slot if the views differ at every alignment. A piece that looks the same in both views is not free,
-    because it is a spine or can't be distinguished from a spine.
+    free slot if the views differ however they are shifted against each other. A piece that looks the same in
+    both views is not free, because it is a spine or can't be distinguished from a spine.
 
     Args:
         views: views taken in front of the shelf.
