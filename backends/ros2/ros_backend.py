@@ -192,7 +192,7 @@ class RosBackend(Backend):
         `handcart bringup` uses it to test whether the base stops by itself.
 
         Raises:
-            RosFault: see `step`.
+            RosFault: a fault was found, in this period or an earlier one.
             StaleSensor: the odometry or the joints are silent.
         """
         self._pass_period(send=False)

@@ -90,9 +90,9 @@ class BookSurvey(Survey):
         return {**self._stops, **stands.figures(), "labels_read": self._labels}
 
     def faults(self) -> list[str]:
-        """Return a message if a returned book is in a wrong place or pose, or other books were pushed.
+        """Return a message if a returned book is in a wrong place or pose, or if other books were pushed.
 
-        It contradicts the Success of a complete run.
+        With a message, a Success of the complete run is false.
         """
         stands = None if self._shelving is None else self._shelving.judge(self._books)
         return [] if stands is None or stands.right else [str(stands)]

@@ -90,7 +90,9 @@ class KitReport:
 
     @property
     def judged_causes(self) -> list[FaultTrial]:
-        """Trials that ended in Fail or GiveUp after a fault with known causes."""
+        """Trials that ended in Fail or GiveUp after an injected fault for which the expected causes are
+        stated.
+        """
         return [trial for trial in self.trials if trial.names_its_cause is not None]
 
     @property

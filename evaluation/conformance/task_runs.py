@@ -18,7 +18,9 @@ SIGNIFICANCE_LEVEL = 0.05  # probability by chance below which success rates cou
 
 
 class Ran(NamedTuple):
-    """Result of running a task once on a backend, with false outcomes of its actions."""
+    """Result of running a task once on a backend, with those outcomes of its actions that ground truth
+    contradicts.
+    """
 
     task: str
     backend: str

@@ -193,9 +193,10 @@ class Surveys:
         return {name: value for item in by_survey for name, value in item.items()}
 
     def faults(self) -> list[str]:
-        """Return a line for each survey by which the simulated world is not as a Success of the run claims.
+        """Return a line for each survey (observer) that found the world other than a Success of the run
+        claims.
 
-        The line holds the survey's reasons.
+        The line holds the reasons that the survey gives.
         """
         by_survey = [faults for _, faults in self._asked(lambda survey: survey.faults())]
         return ["; ".join(faults) for faults in by_survey if faults]

@@ -213,8 +213,8 @@ def prepare_again(folder: Path, seed: int | None = None) -> tuple[Mapping[str, A
     """Return the journal header of an interrupted run, and its task prepared as at its start.
 
     The journal is read first, so that no robot is switched on for a run that cannot be continued. `seed`
-    replaces the run's original seed. Raises the errors of `resume_task` for a folder, a journal or a task's
-    file that cannot be used.
+    replaces the run's original seed. Raises the errors of `task_of` for a folder or a journal that cannot be
+    used, and `FileError` for a task's file with faults.
     """
     header = task_of(folder)
     task_path = Path(header["task_path"])

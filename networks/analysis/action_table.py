@@ -66,7 +66,11 @@ def table_errors(loaded: Loaded[ActionTable]) -> list[Finding]:
 
 
 def table_warnings(loaded: Loaded[ActionTable]) -> list[Finding]:
-    """Return warnings about a table's Fails that lead to giving up, missing primitives and endless loops."""
+    """Return warnings about an action table: missing primitives, endless loops, and Fails that lead to giving
+    up.
+
+    An action table is a network written as rows, each with a primitive and the rows after Success and Fail.
+    """
     table = loaded.value
     findings = []
     for number, row in table.rows.items():

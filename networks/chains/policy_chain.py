@@ -21,7 +21,9 @@ from .step_maker import State
 
 @dataclass(frozen=True)
 class Chain:
-    """Ends of the runs through a part of a network, and how often they start each of its actions."""
+    """Probabilities of the ends of runs through a part of a network, and how often the runs start each
+    action.
+    """
 
     ends: Ends
     starts: tuple[float, ...]

@@ -65,7 +65,9 @@ class Step(NamedTuple):
 
 
 class StepMaker:
-    """Decisions by the rule (the cheapest route is taken), made for one state of a network at a time."""
+    """Maker of the decisions in single states of a network by the rule, which takes the cheapest plan to the
+    goal.
+    """
 
     def __init__(
         self,

@@ -66,8 +66,9 @@ class WorldWatch:
     def situation(self, here: str, stood: Snapshot, now: Snapshot) -> str | None:
         """Return the earlier situation that holds again after the robot was moved; None if it is uncertain.
 
-        Only the base may have moved, to its pose in the returned situation. Except for the fact `base`, the
-        facts of that situation are those of `here`. Of several, it is the latest.
+        Only the base may have moved, and has to be at its pose of the returned situation. That situation must
+        have the same facts as `here`, except for the fact `base`. If several situations fit, the latest is
+        returned.
 
         Args:
             here: situation before the robot was moved.

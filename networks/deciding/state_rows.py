@@ -132,7 +132,8 @@ class StateRows:
         """Return a mask (n, actions) of the actions whose attempts are used up and cannot be given back.
 
         Args:
-            rows: (n, 1 + counters) situation and counts of Fails of each state, as in the class.
+            rows: (n, 1 + counters) index of the situation and counts of Fails of each state, as in
+                `StateRows`.
         """
         return np.asarray(self._out(rows, np.arange(len(self.actions))) & ~self._returns)
 

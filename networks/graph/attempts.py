@@ -29,7 +29,7 @@ class Attempts(NamedTuple):
 
     @property
     def most(self) -> int:
-        """Number of Fails since the last renewal at which the action is excluded."""
+        """Number of Fails at which the action is excluded; a renewal sets the number of Fails back to 0."""
         return MAX_ATTEMPTS + 1 if self.unlimited else self.limit
 
     def fails(self, count: int) -> int:

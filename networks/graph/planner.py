@@ -116,10 +116,10 @@ class Planner:
         return action.allowance.is_out(self.counts.get(action.counter, 0))
 
     def plan(self, situation: str, goal: str | None = None, without: Iterable[Action] = ()) -> Plan | NoWay:
-        """Return the cheapest route from `situation` to the goal.
+        """Return the cheapest sequence of actions (the route) from `situation` to the goal.
 
-        If no route of Successes is left, the route ends before the goal, with an action that gives attempts
-        back or that has to fail.
+        If the goal cannot be reached by Successes alone, the route ends before the goal, with an action that
+        gives attempts back or that has to fail.
 
         Args:
             situation: situation in which the route begins.

@@ -47,7 +47,7 @@ class ComparedAction:
 
     @property
     def seconds(self) -> tuple[float | None, float | None]:
-        """Duration in each run, in [s]."""
+        """Duration of the action in each of the two runs, in [s]; None for a run without the action."""
         return _seconds(self.one), _seconds(self.other)
 
     def residuals(self) -> Iterator[tuple[str, float | None, float | None]]:

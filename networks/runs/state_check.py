@@ -52,7 +52,7 @@ class StateCheck:
         return [*lines, *(f"unknown: {item}" for item in self.unknown)]
 
     def fields(self) -> dict[str, Any]:
-        """Return the fields of the record RECON for the journal.
+        """Return the fields of the journal record RECON, by which a check of the robot's state is recorded.
 
         `situation` is None, because the situation of the run does not change.
         """

@@ -9,9 +9,9 @@ LAST_SIGMA, LAST_WAY = 0.002, 0.5  # [m] the same on the last stretch, and how l
 
 
 class LooksAtRest:
-    """Decision when a base stops during a drive to correct its pose by scans at rest.
+    """Decision whether a base stops during a drive, so that its pose is corrected by scans at rest.
 
-    It has to stop if its wheel odometry is less accurate than the robot's file states.
+    The base has to stop if its wheel odometry is less accurate than the robot's file states.
     """
 
     def __init__(self, localization: Localization) -> None:

@@ -181,10 +181,10 @@ class PeopleWatch:
         return self._level > 1 or not len(self.people.radii)
 
     def try_less_room(self) -> None:
-        """Let the next route be planned with less distance to people.
+        """Let the next route be planned with less distance to people than in the robot's file.
 
-        After a second call without `try_all_room` in between, people are ignored in planning; the base still
-        waits for them.
+        If it is called again before the full distance is restored (`try_all_room`), people are ignored in
+        planning; the base still waits for them.
         """
         self._level += 1
 

@@ -102,7 +102,7 @@ class Place(FileModel):
         """Pose (4, 4) of the shelf frame on the map.
 
         Raises:
-            ValueError: the place has no shelf.
+            ValueError: the place is not in front of a shelf.
         """
         shelf = self._shelf()
         return self.pose.compose(Pose2(shelf.distance_m, 0.0, 0.0)).lift(shelf.board_m)

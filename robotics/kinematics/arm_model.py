@@ -279,7 +279,7 @@ class ArmModel:
         return [shape_of(body.geometry, pose, name) for body, name, pose in bodies]
 
     def moved_shapes(self, q: FloatArray) -> list[Shape]:
-        """Return the shapes of `link_shapes` that the arm moves.
+        """Return the collision bodies that the arm moves, posed in `base` and named after their links.
 
         Args:
             q: (n,) joint angles in [rad] or [m].

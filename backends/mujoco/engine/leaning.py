@@ -45,7 +45,11 @@ class Leaning:
             self.set(model, np.pad(leaned, (0, len(self.trees) - len(leaned))))
 
     def look(self, model: Any, data: Any) -> None:
-        """Update the set of things that lean on the robot, after the solver has made steps."""
+        """Update the set of movable things that are in contact with the robot, directly or through other
+        things.
+
+        To be called after the solver has made steps.
+        """
         if self._robot is None:
             return
         island = data.tree_island

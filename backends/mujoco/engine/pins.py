@@ -18,7 +18,7 @@ _NAME = "pin {}"
 
 
 class Pins:
-    """Point constraints of MuJoCo (pins) that fix the held thing, another one in each grasp, to the hand.
+    """Point constraints of MuJoCo (pins) that fix whatever thing is held at present to the hand.
 
     In the model, the pins come after the equality constraints that couple joints to others (mimic joints).
     """

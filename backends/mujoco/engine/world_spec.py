@@ -57,8 +57,9 @@ GROUND_DEPTH_M = 1.0  # [m] of solid ground below the lowest point of a tile
 
 
 class WorldSpec:
-    """Builder of a world's `MjSpec`, MuJoCo's editable model; each body is named by its number in this
-    engine.
+    """Builder of a world's `MjSpec`, MuJoCo's editable model.
+
+    Each body is named by the number that this project's engine gives it.
     """
 
     def __init__(self, step: float) -> None:

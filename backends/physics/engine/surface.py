@@ -8,8 +8,9 @@ from handcart.backends.simulation.world.grasp import PAD_FRICTION
 
 
 class ContactSurface(NamedTuple):
-    """Contact properties of a link, such as friction and stiffness; the engine keeps its value of a property
-    that is None.
+    """Contact properties of a link, such as friction and stiffness.
+
+    The engine keeps its own value of each property that is None.
     """
 
     friction: float | None = None

@@ -123,5 +123,5 @@ def new_part(spec: SimulatedDoorSpec, part: str, opening: float) -> DoorPart:
 
 
 def middle_of(part: DoorPart) -> FloatArray:
-    """Return the middle (3,) of a part in the world, in [m]."""
+    """Return the middle (3,) of a door's front or handle in the world, in [m]."""
     return np.asarray((part.pose @ part.thing_T_middle)[:3, 3])

@@ -118,7 +118,9 @@ class Scene:
 
     @cached_property
     def full_plan(self) -> FloorPlan:
-        """Return the floor plan of bodies that any part of the robot may run into."""
+        """Return the floor plan of the world's solids at all heights, which any part of the robot may run
+        into.
+        """
         return FloorPlan(self.solids, 0.02, 2.0)
 
     def world_T_map(self, own_start: Pose2 | None) -> Pose2:

@@ -45,7 +45,9 @@ class SceneProps(ABC):
         return ()
 
     def painted(self, rests: frozenset[Rest]) -> Iterable[Painted]:
-        """Yield the drawable surfaces of the things that rest on a body of one of the kinds `rests`."""
+        """Yield the drawable surfaces of the things whose support (such as a table or the hand) is among
+        `rests`.
+        """
         for thing in self.things():
             if thing.rest in rests:
                 yield paint_thing(thing)

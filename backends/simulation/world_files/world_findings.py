@@ -42,7 +42,7 @@ def world_findings(
         loaded: the world's file.
         world: the same world, with the solids of its map.
         robot: robot that starts in this world.
-        initial_pose: initial map_T_base as given to the robot; None if it is given none.
+        initial_pose: initial map_T_base that is given to the robot; None if the robot is given no pose.
         grid: the map that the robot is given, if any.
     """
     solids = solids_of(world)

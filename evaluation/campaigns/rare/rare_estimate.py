@@ -86,9 +86,10 @@ class RareEstimate:
 
     @property
     def unseen(self) -> float:
-        """Largest upper bound (95 %), over all levels that had no rare outcome, of a level's contribution.
+        """Largest upper bound (95 %) of the rare outcome's probability at the levels where no run had this
+        outcome.
 
-        The contribution is to the probability of the rare outcome; 1 without any level.
+        Each bound is for the contribution of one level of multilevel splitting; 1 without any level.
         """
         return max((level.unseen for level in self.levels), default=1.0)
 

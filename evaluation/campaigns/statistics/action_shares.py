@@ -11,7 +11,7 @@ from .intervals import wilson
 class ActionShare:
     """Counts of Success, Fail and GiveUp of one action, over all its attempts.
 
-    An action in a repeated section of a task counts once, with the attempts of all its repetitions.
+    An action inside a `repeat` of the task's file is one action, with the attempts for all elements.
     """
 
     action: str

@@ -164,7 +164,10 @@ class Hangs(Reach):
 
 
 class RunsIntoThings(Reach):
-    """Mutant primitive that restores by driving into a wall, bypassing the collision guard of the base."""
+    """Primitive with a planted fault, by which it restores by driving into a wall, past the collision guard.
+
+    The conformance kit has to find this fault.
+    """
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:

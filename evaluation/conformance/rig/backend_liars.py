@@ -274,7 +274,10 @@ class DelaysScans(LayeredBackend):
 
 
 class MirrorsScans(LayeredBackend):
-    """Mutant backend whose lidar is mounted upside down, contrary to its description."""
+    """Backend with a planted fault, by which its lidar is mounted upside down, contrary to the robot's file.
+
+    The conformance kit has to find this fault.
+    """
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)

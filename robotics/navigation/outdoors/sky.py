@@ -36,15 +36,16 @@ class Sky(NamedTuple):
         variance: float,
         log_share: float,
     ) -> Sky:
-        """Return a possible GNSS condition, with or without a change of the states, and a fix's likelihood.
+        """Return a possible GNSS condition, in which the error of fixes is unchanged or has jumped, with its
+        likelihood.
 
         Args:
-            transition: (13, 13) transition matrix of the change; None: no change.
-            spread: (13, 13) covariance of the states of `FieldModel` after the change, in SI units.
+            transition: (13, 13) transition matrix of the states by the jump of the error; None: no jump.
+            spread: (13, 13) covariance of the states of `FieldModel` after the jump, in SI units.
             rows: (2, 13) derivative of a fix by the states, in SI units.
             residual: (2,) fix less its forecast, along x and y of the field's frame, in [m].
             variance: variance of the fix along each axis, in [m²].
-            log_share: logarithm of the change's probability.
+            log_share: logarithm of the probability of the jump, or of no jump.
         """
         whole, log_likelihood = _innovation(spread, rows, residual, variance)
         return cls(transition, spread, residual, whole, log_share + log_likelihood)

@@ -24,9 +24,9 @@ WHOLE_PERIOD_S = 10.0  # between two searches on all cells of the map, which tak
 class FarReplanner:
     """Planner on a large map that decides whether to keep a route or to take another one.
 
-    Only the part of the route within a window around the robot is checked; the rest is a route of
-    `FarPlanner`. If no way leads on within the window, another far route is searched. If there is none, a
-    route is searched on all cells of the map, because larger cells close narrow passages.
+    Only the part of the route within a window around the robot is checked. The rest is a far route, planned
+    by `FarPlanner` on larger cells. If no route leads on within the window, another far route is searched. If
+    there is none, a route is searched on all cells of the map, because larger cells close narrow passages.
     """
 
     def __init__(
