@@ -118,7 +118,7 @@ class GuardedBase(HolonomicBase):
             self._unseen.forget()
 
     def drive(self, speed: float, turn_rate: float, sideways: float = 0.0) -> None:
-        """Command the base as `HolonomicBase.drive` does, at a lower speed if obstacles are near on its way.
+        """Command the base's speeds for the next period, lower than given if obstacles are near on its way.
 
         Args:
             speed: speed ahead, in [m/s].

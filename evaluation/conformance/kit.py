@@ -147,9 +147,7 @@ class KitSetting:
 
     @property
     def chosen_parts(self) -> Sequence[str]:
-        """Return the selected parts of the conformance kit; without a selection, the defaults of the quick or
-        full mode.
-        """
+        """Selected parts of the conformance kit; without a selection, the defaults of quick or full mode."""
         return self.parts or (QUICK_PARTS if self.quick else KIT_PARTS)
 
     @property

@@ -211,7 +211,8 @@ class Surveys:
         self._write(lambda survey: survey.report(prepared, folder))
 
     def draw(self, folder: Path) -> None:
-        """Draw the pictures of all surveys into the folder of a run that has ended.
+        """Draw the pictures of all surveys (observers that evaluate a run) into the folder of a run that has
+        ended.
 
         Raises:
             OSError: writing failed, for example because the disk is full.

@@ -45,12 +45,12 @@ class Effort:
 
     @property
     def spent(self) -> float:
-        """Number of steps of search that are spent so far."""
+        """Number of steps of search that were spent from this budget so far."""
         return self._spent
 
     @property
     def left(self) -> float:
-        """Number of steps of search that are not spent yet."""
+        """Number of steps of search that may still be spent from this budget."""
         return self._most - self._spent
 
     def half(self) -> Effort:

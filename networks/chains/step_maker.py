@@ -90,10 +90,11 @@ class StepMaker:
         self._chances = chances
 
     def step(self, state: State) -> Step:
-        """Return the first action of the cheapest route in a state, with the states that may follow.
+        """Return the first action of the cheapest plan from a state to the goal, with the states that may
+        follow.
 
         Raises:
-            TooMuch: the budget is spent.
+            TooMuch: the budget of search steps is spent.
         """
         planned = state.committed
         if not planned:

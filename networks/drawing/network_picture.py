@@ -60,7 +60,7 @@ class DrawnBox(NamedTuple):
 
 
 class DrawnFrame(NamedTuple):
-    """Frame around a repeated part of a drawn network."""
+    """Frame around a part of a drawn network that is copied for each element of a `repeat`."""
 
     x: float
     y: float

@@ -84,7 +84,7 @@ class StartRecord(TypedDict):
 
 @with_config(_OPEN)
 class CauseWords(TypedDict):
-    """Record of the cause why an attempt did not succeed: its text, its kind, and the deciding reading."""
+    """Record of why an attempt did not succeed, with a text, the kind of cause, and the deciding reading."""
 
     reason: str
     kind: NotRequired[str]

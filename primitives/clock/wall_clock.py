@@ -25,7 +25,8 @@ def refuse_wall_clock(nodes: Iterable[Behaviour]) -> None:
     """Reject a behaviour tree before its first tick if the code of a node reads the wall clock.
 
     Raises:
-        WallClockError: names each such behaviour with file, line and function.
+        WallClockError: a node reads the wall clock; the message names each of these nodes with file, line and
+            function.
     """
     found = [words for node in nodes for words in (*wall_clock_reads(type(node)), *_given_reads(node))]
     if found:

@@ -28,7 +28,7 @@ from .target_list import load_targets, place_of
 
 @dataclass
 class FieldWork(Section):
-    """World model section with the field, the targets for sensors, and the sensors that were laid."""
+    """Part of the world model about a field, with the targets for sensors and the sensors that were laid."""
 
     LEARNED: ClassVar = ("laid",)
 

@@ -11,8 +11,9 @@ _OBJECT_LABEL = "object ", " mm"
 
 
 class ResidualKind(Enum):
-    """Quantity whose difference between two states is measured; the value is its label in journals, with its
-    unit.
+    """Quantity whose difference between two states is measured.
+
+    The value of a member is the quantity's label in journals, with its unit.
     """
 
     BASE_POSITION = "base_mm"

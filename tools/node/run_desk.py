@@ -36,7 +36,7 @@ Starter = Callable[[Sequence[str], IO[bytes]], "subprocess.Popen[bytes]"]
 
 
 class WaitingRecord(NamedTuple):
-    """Journal record of a run that waits for a person."""
+    """Journal record for which a run waits, until a person has acknowledged it."""
 
     record: int
     cause: str

@@ -28,7 +28,7 @@ def message_kind(kind: str) -> str:
 
 
 def velocity_message(link: Link, spec: RosVelocitySpec, command: DriveCommand) -> Any:
-    """Return a command as a `Twist` or `TwistStamped`; the latter has the present time of ROS as its stamp.
+    """Return a command as a `Twist`, or as a `TwistStamped` with the present time of ROS as its stamp.
 
     Args:
         link: connection to the topics, which creates the message.

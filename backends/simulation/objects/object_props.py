@@ -71,8 +71,8 @@ class ObjectProps(Props[ObjectsSection]):
 
     @property
     def pulls(self) -> list[SimulatedPull]:
-        """All pulls of the simulated person at the held object: those to come, those under way, and past
-        ones.
+        """All pulls of the simulated person at the held object, whether they are past, under way, or still to
+        come.
         """
         return self.puller.pulls
 

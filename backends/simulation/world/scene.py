@@ -111,16 +111,12 @@ class Scene:
 
     @cached_property
     def body_plan(self) -> FloorPlan:
-        """Return the floor plan of the world's solids at the heights of the robot's body, which the base may
-        run into.
-        """
+        """Floor plan of the world's solids at heights of the robot's body, which the base may run into."""
         return FloorPlan(self.solids, 0.02, self.robot.body_height)
 
     @cached_property
     def full_plan(self) -> FloorPlan:
-        """Return the floor plan of the world's solids at all heights, which any part of the robot may run
-        into.
-        """
+        """Floor plan of the world's solids at all heights, which any part of the robot may run into."""
         return FloorPlan(self.solids, 0.02, 2.0)
 
     def world_T_map(self, own_start: Pose2 | None) -> Pose2:

@@ -69,8 +69,8 @@ class LearnedOdds:
 
         Args:
             action: (n,) indices of the actions in the network.
-            context: (n,) code, by `context_of`, of how often the action failed before and whether the walk's
-                latest action failed.
+            context: (n,) code, by `context_of`, of how often the action failed before, and whether the latest
+                action of the same random walk failed.
             ends: (n,) how the actions end, as an `EndCode`.
             drawn: (n,) random numbers, uniform in [0, 1).
         """

@@ -68,8 +68,8 @@ def explain(run: PastRun, number: int | None = None) -> Explanation:
 
     Args:
         run: the past run.
-        number: number of the action, from 1; None: the last action that ended in Fail or GiveUp, or,
-            without such an action, the run's end.
+        number: number of the action, from 1; None: the last action that ended in Fail or GiveUp, or, if every
+            action succeeded, the run's end.
 
     Raises:
         NoSuchAction: the run has no action with this number.

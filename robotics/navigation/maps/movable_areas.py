@@ -30,11 +30,11 @@ class MovableArea(NamedTuple):
 
 
 def with_movable(grid: GridMap, areas: Iterable[MovableArea], height: float | None = None) -> GridMap:
-    """Return a map with areas marked as movable; earlier marks are replaced.
+    """Return a map in which the areas of things that may have moved are marked; earlier marks are replaced.
 
     Args:
         grid: the map.
-        areas: outlines and margins.
+        areas: outlines of the things, and how far they may have moved.
         height: height of the lidar's scans above the floor, in [m]; areas of things that the scans pass over
             or under are ignored (default: none is ignored).
     """

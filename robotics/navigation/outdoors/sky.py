@@ -45,7 +45,7 @@ class Sky(NamedTuple):
             rows: (2, 13) derivative of a fix by the states, in SI units.
             residual: (2,) fix less its forecast, along x and y of the field's frame, in [m].
             variance: variance of the fix along each axis, in [m²].
-            log_share: logarithm of the probability of the jump, or of no jump.
+            log_share: logarithm of the condition's probability; 0 if it is added to the likelihood later.
         """
         whole, log_likelihood = _innovation(spread, rows, residual, variance)
         return cls(transition, spread, residual, whole, log_share + log_likelihood)

@@ -53,8 +53,9 @@ class ScanBeams(NamedTuple):
 
 
 class StartFit(NamedTuple):
-    """Result of comparing a scan with a stated start pose, how well it fits there, and whether it fits better
-    elsewhere.
+    """Result of comparing a scan with the map at a stated start pose and at other poses.
+
+    It states how well the scan fits at the stated start pose, and whether it fits clearly better elsewhere.
     """
 
     share: float
