@@ -22,7 +22,9 @@ def begin_stage(words: str) -> None:
 
 @contextmanager
 def hearing_of_stages(heard: Callable[[str], None]) -> Iterator[None]:
-    """Call `heard` with the name of each stage of a program (`begin_stage`) that begins in this context."""
+    """Call `heard` with the name of each stage of a program that `begin_stage` reports within the `with`
+    block.
+    """
     before = _heard.set(heard)
     try:
         yield

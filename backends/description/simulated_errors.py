@@ -90,6 +90,6 @@ class Errors(FileModel):
 
     @classmethod
     def nowhere(cls) -> Self:
-        """Return the values for a simulation without errors."""
+        """Return these simulated errors with all sizes set to zero."""
         sizes = set(cls.model_fields) - {"none", "hand_systematic_wave_m"}
         return cls(none=True, **dict.fromkeys(sizes, 0.0))

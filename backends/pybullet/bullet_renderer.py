@@ -101,8 +101,8 @@ class BulletRenderer:
     def picture_with_depth(
         self, view: Transform, projection: Transform, size: tuple[int, int]
     ) -> tuple[ByteArray, FloatArray]:
-        """Return an unlit picture (h, w, 3) in RGB as `picture` does, and the values (h, w) of OpenGL's depth
-        buffer, from 0 (nearest) to 1 (farthest).
+        """Return an unlit RGB picture (h, w, 3) of the world, and the values (h, w) of OpenGL's depth buffer,
+        from 0 (nearest) to 1 (farthest).
 
         Args:
             view: (4, 4) camera_T_world in OpenGL's axes, in [m].

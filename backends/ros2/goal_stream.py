@@ -96,7 +96,9 @@ class GoalStream:
         return f"{self.name}: a goal of another node is executed; allowed: goals of this program alone"
 
     def forget(self) -> None:
-        """Stop monitoring the goals that were sent, without cancelling them, and clear the recorded fault."""
+        """Stop monitoring the goals that were sent, without cancelling them, and discard the fault that was
+        found in them, if any.
+        """
         self._watched, self.trouble = [], ""
 
     def _wrong(self, each: _Watched) -> str:

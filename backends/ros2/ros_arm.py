@@ -85,7 +85,9 @@ class RosArm(CommandedArm, ForceArm):
         return force_by_efforts(self._model, self.joints(), efforts, np.isfinite(efforts))
 
     def taken(self) -> FloatArray | None:
-        """Return the joints (n,) to send in this period, in [rad] or [m]; None for an unchanged command."""
+        """Return the joint positions (n,) to send to the arm now, in [rad] or [m]; None if they did not
+        change.
+        """
         if np.array_equal(self._command, self._sent):
             return None
         self._sent = self._command.copy()

@@ -18,7 +18,7 @@ PREDICATES: Mapping[str, Callable[[TrueThing, TrueThing], bool]] = {
 
 
 class Verdict(NamedTuple):
-    """Result of evaluating the conditions of an activity, with the conditions that do not hold."""
+    """Result of evaluating the goal conditions of an activity, with the conditions that do not hold."""
 
     holds: bool
     unsatisfied: tuple[str, ...]

@@ -48,7 +48,7 @@ class Definition:
         return next(category for category, terms in self.terms.items() if term in terms)
 
     def finding(self, words: Iterable[str], message: str) -> Finding:
-        """Return a finding at the place of some words in the definition's text.
+        """Return a finding whose place (line and column) is where given words are in the definition's text.
 
         Args:
             words: words in their order in the text, such as a condition; if the text does not have them, the

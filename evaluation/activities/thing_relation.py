@@ -58,7 +58,7 @@ def is_support(definition: Definition, literal: Literal) -> bool:
 
 
 def relation_of(definition: Definition, literal: Literal) -> ThingRelation | Finding | None:
-    """Return the relation of a thing to furniture that a literal states.
+    """Return the relation of a thing to furniture that a condition (literal) of an activity states.
 
     Returns:
         The relation, or a finding if the simulated worlds do not support it. None for a literal about the

@@ -39,7 +39,9 @@ class BaseAttitude(NamedTuple):
 
 @dataclass(frozen=True)
 class BlockNotes:
-    """Observations of a `BlockSurvey` that a resumed run could not make again."""
+    """Observations of a `BlockSurvey` that a checkpoint stores, because a resumed run could not repeat
+    them.
+    """
 
     reference: tuple[float, tuple[float, float]] | None
     """Heading and tilt of the base at the fixation, as `BaseAttitude`; None before the first one."""
@@ -120,7 +122,9 @@ class BlockSurvey(Survey):
         self._frames, self._uncorrected = noted.frames, noted.uncorrected
 
     def errors(self) -> list[BlockError]:
-        """Return the errors of all blocks on a table within `FALLEN_MM` of their goals."""
+        """Return the position errors of all blocks that are on a table and within `FALLEN_MM` of their
+        goals.
+        """
         found = []
         for number, goal in enumerate(self.plan.goals if self.plan else (), start=1):
             block = self._props.blocks.get(str(number))

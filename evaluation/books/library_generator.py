@@ -79,7 +79,7 @@ def make_library(
     unfriendly: tuple[str, ...] = (),
     level: float = 1.0,
 ) -> Library:
-    """Return a library of five shelves.
+    """Return a random simulated library of five shelves with books.
 
     Args:
         seed: seed of all random choices.

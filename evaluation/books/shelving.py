@@ -37,7 +37,9 @@ class ShelvedBooks(NamedTuple):
         )
 
     def figures(self) -> dict[str, Any]:
-        """Return the values as metrics of a run; omit values that are undefined for a book on no shelf."""
+        """Return the quality of shelving as metrics of a run, without values that a book on no shelf leaves
+        undefined.
+        """
         fields = self._asdict()
         return {
             name: value if isinstance(value, bool) else round(value, 2)
@@ -48,7 +50,9 @@ class ShelvedBooks(NamedTuple):
 
 @dataclass(frozen=True)
 class Shelving:
-    """Judge of how books were returned, which compares the shelves with their initial state."""
+    """Evaluation of how well books were returned to shelves, by comparison with the shelves' initial
+    state.
+    """
 
     accessions: tuple[int, ...]
     fronts: Mapping[int, float]

@@ -212,7 +212,8 @@ class FreeWay:
         self._slides = robot.joint_units.slides
 
     def touches_at(self, posture: FloatArray, joint: int, limit: float) -> float | None:
-        """Return the position of a joint at which the arm first touches something on its way to a limit.
+        """Return the position at which the arm first touches itself or the floor when one joint moves to
+        `limit`.
 
         It is in [rad] or [m]; None if the way is free.
 

@@ -62,7 +62,7 @@ class BenchFirst(InputError):
 
 @dataclass
 class Ladder:
-    """Progress of a bring-up, kept as records in a folder."""
+    """Sequence of a robot's bring-up steps, with records of the passed ones in a folder."""
 
     site: RobotSite
     rehearsed: Path | None = None

@@ -114,7 +114,9 @@ class Site(RobotSite):
 
     @contextmanager
     def line(self) -> Iterator[tuple[CanLine, list[can.Message]]]:
-        """Yield the open CAN bus before any node is configured, and a growing list of the received frames."""
+        """Open the CAN bus without configuring a node; yield it and the list to which received frames are
+        appended.
+        """
         came: list[can.Message] = []
 
         def heard(frame: can.Message, sent: bool) -> None:

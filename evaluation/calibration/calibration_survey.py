@@ -72,5 +72,7 @@ class CalibrationSurvey(FiguresSurvey):
             self._figures |= self.spots()
 
     def spots(self) -> dict[str, float]:
-        """Return the suspension parameters measured by the laser spots, by name, in the unit in the name."""
+        """Return suspension parameters, measured by laser beams from the robot, by name, in the unit in the
+        name.
+        """
         return {} if self._lasers is None else self._lasers.figures()

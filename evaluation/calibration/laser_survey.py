@@ -86,7 +86,7 @@ class LaserSurvey:
     def rates(self) -> Rates:
         """Return how the base tilts and yaws when the arm moves, fitted to the shifts of laser spots.
 
-        Tilts are per metre of the hand, yaw is per move of the arm out and back.
+        Tilts are per metre of the hand's horizontal motion, yaw is per move of the arm out and back.
 
         Raises:
             ValueError: the arm moved too little.
@@ -94,7 +94,9 @@ class LaserSurvey:
         return fit_spots(self._ahead, self._left, WALL_DISTANCE_M)
 
     def figures(self) -> dict[str, float]:
-        """Return the fitted tilts and yaw as metrics of a run, by name with the unit."""
+        """Return the base's fitted roll, pitch and yaw by the arm's motion as metrics of a run, by name with
+        unit.
+        """
         rates = self.rates()
         return {
             "laser_yaw_mrad_per_swing": round(1e3 * rates.yaw_per_swing, 4),

@@ -54,7 +54,7 @@ class PlannedFault(FileModel):
         return self
 
     def fault(self) -> Fault:
-        """Convert these keys of a faults file to the fault to inject."""
+        """Return the fault to inject, as the keys of this entry of a faults file describe it."""
         turn = math.radians(self.turn_deg_s)
         return Fault(FaultKind(self.kind), self.sensor, self.periods, self.speed_m_s, turn)
 

@@ -174,7 +174,7 @@ def _hypercube(numbers: int, trials: int, seed: int) -> FloatArray:
 
 
 def file_of(name: str, task: Task) -> Path:
-    """Return the path of a file in which numbers may vary.
+    """Return the path of a file in which a campaign may vary numbers from trial to trial.
 
     Args:
         name: `task`, `robot` or `world`; a task that names no file of a world contains the world itself.

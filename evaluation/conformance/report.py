@@ -104,7 +104,8 @@ class KitReport:
     def causes_hold(self) -> bool:
         """True if enough of the Fails and GiveUps name a cause of the injected fault (`MIN_CAUSE_SHARE`).
 
-        It is also True if fewer than `MIN_JUDGED_CAUSES` Fails and GiveUps could be judged.
+        It is also True if fewer than `MIN_JUDGED_CAUSES` Fails and GiveUps have causes that could be compared
+        with the injected fault.
         """
         judged = len(self.judged_causes)
         return judged < MIN_JUDGED_CAUSES or len(self.wrong_causes) <= (1.0 - MIN_CAUSE_SHARE) * judged

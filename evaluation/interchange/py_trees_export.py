@@ -20,7 +20,9 @@ Carried = Callable[[str, Mapping[str, Any]], tuple[bool, str]]
 
 @dataclass
 class TreeMemory:
-    """Present situation, and number of Fails of each action; all behaviours of a task's tree share them."""
+    """State of a task that all behaviours of its tree share: the present situation, and the Fails of each
+    action.
+    """
 
     situation: str
     fails: dict[int, int] = field(default_factory=dict)

@@ -101,7 +101,7 @@ class Surveys:
 
     @property
     def shown(self) -> frozenset[str]:
-        """Names of the primitives whose pictures are shown first in a run's overview."""
+        """Names of the primitives whose camera pictures a run's overview shows before those of others."""
         return frozenset().union(*(survey.shown for survey in self._every))
 
     def look(self, robot: Robot) -> None:

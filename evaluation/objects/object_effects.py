@@ -33,7 +33,7 @@ def thing_of(survey: Survey, name: str) -> Thing | None:
 
 
 def true_surface(survey: Survey, name: str) -> ObjectSurface:
-    """Return a surface, with its spots for objects, at its true pose in the simulated world.
+    """Return a surface, with its named places for objects, at its true pose in the simulated world.
 
     The true pose is that of the solid with the name and size of the surface; without such a solid, it is the
     pose in the file of objects.

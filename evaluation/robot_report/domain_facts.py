@@ -15,7 +15,9 @@ class FactTable(NamedTuple):
 
 
 class DomainFacts(NamedTuple):
-    """Facts that an application domain reports on a robot, such as reach for its tasks and lacking parts."""
+    """Facts that an application domain reports on a robot, such as its reach in the domain's tasks, or parts
+    that it lacks.
+    """
 
     remarks: Sequence[str] = ()
     """Things that the robot lacks, each with the part of the domain that needs it."""

@@ -66,7 +66,9 @@ class Outline:
 
     @property
     def frames(self) -> dict[str, str]:
-        """Name of the most probable link for each sensor, by the sensor's name in a robot's file."""
+        """Name of the URDF link that most probably is the frame of each sensor, by the sensor's name in a
+        robot's file.
+        """
         return {role: found.link for role, found in self.sensors.items()}
 
 

@@ -40,7 +40,9 @@ class SeamStretch:
 
     @cached_property
     def notes(self) -> StretchNotes:
-        """Data of this stretch for a checkpoint; only valid after the stretch has ended."""
+        """Recorded data of this part of the seam, for a checkpoint; only valid after its tracking has
+        ended.
+        """
         part = {name: np.asarray(value).tolist() for name, value in self.part._asdict().items()}
         joints, tips = np.array(self.joints).tolist(), np.array(self.tips).tolist()
         return StretchNotes(part, self.score, self.times, joints, [(x, y, z) for x, y, z in tips])

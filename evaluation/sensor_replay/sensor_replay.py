@@ -36,7 +36,9 @@ class ChangedFiles(InputError):
 
 @dataclass(frozen=True)
 class SensorReplay:
-    """Result of running the program on a run's recorded readings, with the first difference from the run."""
+    """Result of running the robot program again on a run's recorded readings, with its first difference from
+    the run.
+    """
 
     periods: int
     commands: int

@@ -71,7 +71,9 @@ class Figures:
 
 
 def entry_chances(task: Task) -> list[Chance]:
-    """Return the outcome probabilities of each action of a task file; 0 where the file states none."""
+    """Return the outcome probabilities of each action of a task file; a probability that the file does not
+    state is 0.
+    """
     return [Chance(action.p_success or 0.0, action.p_give_up) for action in task.file.actions]
 
 

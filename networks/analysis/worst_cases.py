@@ -80,7 +80,9 @@ class WorstCases:
 
 
 def worst_cases(network: ActionNetwork, effort: Effort | None = None) -> WorstCases:
-    """Return the worst cases of a network, exact except in parts that are too large.
+    """Return the longest run of a network, its possible ends short of the goal, and its unused actions.
+
+    The result is exact, except in parts of the network whose states are too many to examine.
 
     Args:
         network: the network.

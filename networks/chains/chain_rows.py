@@ -27,14 +27,16 @@ class ChainEnd(IntEnum):
 
 
 class ChainLinks(NamedTuple):
-    """Transitions from one row of a chain to another, as columns (n,)."""
+    """Transitions between states (rows) of a Markov chain: start, end and probability, as columns (n,)."""
 
     row: IntArray
     to: IntArray
     p: FloatArray
 
     def without(self, rows: IntArray) -> ChainLinks:
-        """Return the transitions without those that begin in some rows, given by the rows' numbers (k,)."""
+        """Return the transitions except those that begin in given rows of the chain, by the rows' numbers
+        (k,).
+        """
         keep = ~np.isin(self.row, rows)
         return ChainLinks(self.row[keep], self.to[keep], self.p[keep])
 

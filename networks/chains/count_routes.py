@@ -89,7 +89,8 @@ class RouteFinder:
         return self._search(counts, self._plain)
 
     def hoping(self, counts: Uint16Array) -> CountRoutes:
-        """Return the routes that need the fewest Fails, for use where no route of Successes is left.
+        """Return routes that include Fails, as few as possible, for states from which no route of Successes
+        is left.
 
         Args:
             counts: (n, counters) number of earlier Fails by each counter, in the order of

@@ -63,7 +63,7 @@ class BestPolicy:
         return self._process
 
     def believing(self, chances: Chances, effort: Effort) -> BestPolicy:
-        """Return a best policy for other outcome probabilities, of which no decision is computed yet.
+        """Return a copy of this policy with other outcome probabilities; its decisions are not computed yet.
 
         Args:
             chances: outcome probabilities of each action; None if it only skips an element of a repeat.

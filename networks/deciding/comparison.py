@@ -61,7 +61,7 @@ class PolicyComparison:
 
     @property
     def is_probability(self) -> bool:
-        """True if the best policy is the one with the largest probability of the goal."""
+        """True if "best policy" here means the policy with the largest probability to reach the goal."""
         return self.best.name == "goal_probability"
 
     def for_programs(self) -> dict[str, Any]:

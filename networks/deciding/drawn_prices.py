@@ -56,11 +56,13 @@ class DrawnPrices:
         self._actions: dict[int, DrawnAction] = {}
 
     def of(self, policy: Policy) -> FloatArray:
-        """Return the expected price of a policy in each draw, (draws,) in [s].
+        """Return the expected price of a policy, (draws,) in [s], for each random draw of outcome
+        probabilities.
 
         In states without a step in the policy, a person is called. The linear equations of the states' prices
         are solved by elimination for all draws at once, successors first: each price in a state's equation is
-        replaced by the equation of that price. The system stays sparse, because Fails only become more.
+        replaced by the equation of that price. The system stays sparse, because the number of Fails in a
+        state never decreases along a run.
         """
         if policy.start not in policy.steps:
             return np.full(len(self._draws), self._process.stop_price(policy.start.situation))

@@ -84,10 +84,11 @@ class OutcomeCounts(NamedTuple):
 
 
 class SwitchVerdict(NamedTuple):
-    """Comparison of the best policy with the rule, for many draws of the outcome probabilities.
+    """Comparison of the best policy with the rule, for many random draws of the actions' outcome
+    probabilities.
 
     The rule always takes the cheapest route to the goal; a switch is from the rule to the best policy. The
-    draws are from the posterior distribution, after the outcomes that were counted.
+    draws are from the posterior distribution given the outcomes counted in earlier runs.
     """
 
     better_share: float

@@ -77,8 +77,8 @@ class Process:
     def price(self, action: Action) -> float:
         """Return the expected cost of starting an action, in [s].
 
-        It includes the price of calling a person, times the probability of GiveUp. An action that skips an
-        element of a repeat costs as much as calling a person.
+        It includes the price of calling a person, times the probability of GiveUp. An action that only skips
+        one element of a repeated part of the task costs as much as calling a person.
         """
         if action.binding is None:
             return self.person_s

@@ -18,7 +18,9 @@ STOP_CHOICE = -1
 
 
 class Choices(NamedTuple):
-    """Best option (action) in each state of a `StateTable`, and its cost, for given costs of later states."""
+    """Best option (action) in each state of a `StateTable`, and its cost, computed from given costs of the
+    states that follow.
+    """
 
     cost: FloatArray
     """(states,) least expected cost, in [s]; infinite for states that were not expanded."""

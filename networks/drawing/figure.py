@@ -22,7 +22,7 @@ def to_png(picture: NetworkPicture) -> bytes:
 
 
 def to_pdf(picture: NetworkPicture) -> bytes:
-    """Return the picture as PDF of one page."""
+    """Return the picture of a network as the bytes of a PDF file with one page."""
     return _saved(picture, format="pdf", metadata={"CreationDate": None})
 
 

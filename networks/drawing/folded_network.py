@@ -76,7 +76,9 @@ class FoldedNetwork:
 
 
 def fold(network: ActionNetwork) -> FoldedNetwork:
-    """Return the network with all copies made by a `repeat` merged into one situation or action each."""
+    """Return the network in which the copies of a situation or action made by `repeat` are merged into
+    one.
+    """
     copies: dict[tuple[str, int], list[Situation]] = {}
     for situation in network.situations.values():
         copies.setdefault(_called(situation), []).append(situation)

@@ -83,7 +83,9 @@ class ConditionEntry(TaskEntry):
 
     @property
     def on_fail(self) -> str | None:
-        """Facts, as text, that the robot knows after a Fail of a cause without an entry in `on_fail`."""
+        """Facts, as text, that the robot knows after a Fail whose cause the task file does not name; None
+        without any.
+        """
         return self._known_in_words(OTHER_CAUSES)
 
     @property

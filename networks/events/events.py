@@ -62,7 +62,9 @@ class Ended:
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Event of an action that was not started, or of an element of a repeat that is left undone."""
+    """Event that an action is not started, or that a repeated part of a task is skipped for one of its
+    elements.
+    """
 
     time: float
     action: Action

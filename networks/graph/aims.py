@@ -10,7 +10,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Rounds:
-    """Repetition of a task that ends where it began."""
+    """Rule for how often, and when, a task that ends in its start situation is repeated."""
 
     most: int | None = None
     """Number of rounds; None: unlimited."""

@@ -290,7 +290,7 @@ class ActionNetwork:
 
     @cached_property
     def renewed_by(self) -> Mapping[int, tuple[int, ...]]:
-        """Counters of Fails that a Success of an action sets back, by the action's number."""
+        """Numbers of the counters of Fails that a Success of an action resets, by the action's number."""
         waiting: dict[tuple[str, str | None], dict[int, None]] = {}
         for action in self.actions:
             element = self.situations[action.source].element

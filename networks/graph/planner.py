@@ -15,7 +15,7 @@ from .plan_search import PlanSearch
 
 @dataclass(frozen=True)
 class Plan:
-    """Planned route: the next action and those after it."""
+    """Planned route to a goal, with the actions to do in their order."""
 
     actions: tuple[Action, ...]
     cost: float

@@ -102,13 +102,16 @@ class RunDecisions:
 
     @property
     def planned(self) -> bool:
-        """True if actions of the last plan are left; they remain the best route while nothing fails."""
+        """True if actions of the last plan have not been started yet; they stay the best route while nothing
+        fails.
+        """
         return bool(self._ahead)
 
     def plan(self) -> Plan | NoWay:
         """Plan the route from the present situation to the goal.
 
-        If no route leads there, plan to the first situation of the network's `otherwise` that can be reached.
+        If no route leads there, plan to the first situation that can be reached of those that the network
+        lists as `otherwise`.
         """
         plan = self._plan()
         while isinstance(plan, NoWay) and not plan.calls_person and (self._first or len(self._goals) > 1):

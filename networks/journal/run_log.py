@@ -172,7 +172,7 @@ class RunLog(Intents):
         Args:
             action: the action that is not started.
             stood: snapshot after the last action.
-            now: snapshot before this one.
+            now: present snapshot, before `action`.
             situation: the situation that holds now; None if that could not be decided.
             reason: reason in words.
         """

@@ -168,7 +168,7 @@ class Intent(TypedDict):
 
 @with_config(_OPEN)
 class PointOfNoReturn(TypedDict):
-    """Record of a point of no return that the running action passes."""
+    """Record that the running action passes a point after which it cannot be undone."""
 
     n: Number
     what: str

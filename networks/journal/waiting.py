@@ -53,7 +53,7 @@ def may_have_begun(records: Sequence[Record]) -> bool:
 
 
 def broken_off(start: Record) -> str:
-    """Return a description of an action that started and has no result."""
+    """Return a message that an action was broken off, given the record of its start."""
     action = start["action"]
     return f"action {start['n']}, {action['do']} from {action['from']}, was broken off"
 

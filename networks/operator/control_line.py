@@ -26,7 +26,7 @@ class ControlLine:
 
     @property
     def waits(self) -> bool:
-        """True if a message was received that can be answered now."""
+        """True if a complete message was received, and the answer to the message before it has been sent."""
         return not self._goes and (
             b"\n" in self._came or self._too_long or (self._ended and self._came != b"")
         )

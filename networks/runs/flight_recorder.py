@@ -45,9 +45,9 @@ class FlightRecorder(RunObserver):
     """Recorder of the readings of all sensors but the camera, read once a period.
 
     At each Fail and GiveUp it writes a file such as `evidence/003_MOVE_TO_Fail_readings.npz`, with the last
-    seconds of the motion and the last seconds of the restoring. At the run's end it writes
-    `evidence/end_readings.npz` if there are new readings. Reading a sensor once more in a period gives the
-    same values, so that recording does not change the run. The arrays' names end in their units.
+    seconds of the failed action's motion, and of its return to the state at its start. At the run's end it
+    writes `evidence/end_readings.npz` if there are new readings. Reading a sensor once more in a period gives
+    the same values, so recording does not change the run. The arrays' names end in their units.
     """
 
     def __init__(self, run_dir: Path, robot: Robot, seconds: float = KEPT_TIME_S) -> None:

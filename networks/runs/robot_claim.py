@@ -25,7 +25,7 @@ class RobotBusy(InputError):
 
 
 class NoClaimFolder(InputError):
-    """Error, because the folder with the robots' claims cannot be used."""
+    """Error, because the folder cannot be used in which runs reserve (claim) real robots."""
 
 
 class RobotClaim:

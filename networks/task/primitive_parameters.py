@@ -46,7 +46,8 @@ class ParameterReader:
         self._known = known
 
     def binding(self, kind: type[ActionPrimitive], number: int, element: Element | None) -> Binding | None:
-        """Return the primitive of an action with its parameters; None if the parameters are wrong.
+        """Return the binding of an action, its primitive with the parameters; None if the parameters are
+        wrong.
 
         Args:
             kind: the class of the primitive.

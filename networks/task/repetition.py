@@ -130,7 +130,8 @@ class Repetition:
 def repetitions(
     repeats: Mapping[int, Repeat], entries: Iterable[ActionEntry], outside: Collection[str] = ()
 ) -> list[Repetition]:
-    """Return the repeated parts of a task.
+    """Return the parts of a task's network that are repeated for each element of a list, as its file states
+    them.
 
     Args:
         repeats: entries of the file's list `repeat`, by their numbers in it.

@@ -15,7 +15,7 @@ from .building import BlockPlace, Positive, Table
 
 
 class DrawnStart(FileModel):
-    """Start pose of the base in a drawing, on the map."""
+    """Start pose of the base on the map, as given in the drawing of the blocks to stack."""
 
     x_m: float
     y_m: float

@@ -93,7 +93,8 @@ def sought(
     stands: Pose2,
     covariance: FloatArray,
 ) -> Sought:
-    """Return a landmark to search for, with all landmarks and the base's estimated pose.
+    """Return a landmark to search for, all landmarks that it can be confused with, and the base's estimated
+    pose.
 
     All poses in the result are relative to the base's target place.
 

@@ -90,7 +90,9 @@ class Stack(ActionPrimitive):
         return name_of_block(self.number)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return a message if the hand holds no block of the plan; empty otherwise."""
+        """Return a message if the hand does not hold a block as the building plan describes them; empty
+        otherwise.
+        """
         return unlike_block(robot, model)
 
     @override

@@ -36,7 +36,9 @@ def book_in(model: ModelView) -> str:
 
 
 def unlike_book(robot: Robot, model: ModelView) -> str:
-    """Return why the held object cannot be the recognized book; empty if it may be that book."""
+    """Return why the held object cannot be the book that was recognized before; empty if it may be that
+    book.
+    """
     book = model.of(Books).book
     if book is None:
         return "no book has been recognized"

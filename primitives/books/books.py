@@ -33,7 +33,9 @@ class Slot(NamedTuple):
     """y of the sides of books to the left of the slot, including the slot's own left side, in [m]."""
 
     def moved(self, y: float) -> Slot:
-        """Return the slot and its neighbours, moved along the shelf by `y` in [m], positive to the left."""
+        """Return the slot moved along the shelf by `y` in [m], positive to the left, with the sides of its
+        neighbours.
+        """
         sides = tuple(side + y for side in self.sides)
         return self._replace(left=self.left + y, right=self.right + y, sides=sides)
 

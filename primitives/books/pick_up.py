@@ -111,7 +111,9 @@ class PickUp(TreePrimitive):
         return {}
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
-        """Return the behaviour tree, whose steps follow each other; `method` decides the hand's motion."""
+        """Return the behaviour tree of picking up a book, a sequence of steps; `method` decides the hand's
+        motion.
+        """
         ways = {"planned": (self._go, self._carry), "taught": (self._go_as_taught, self._carry_as_taught)}
         there, away = ways[self.method]
         steps: dict[str, Step] = {

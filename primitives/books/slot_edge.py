@@ -31,7 +31,7 @@ SLOT_BRIGHTNESS_RATIO = 0.65  # a slot's brightness, against the spine's
 
 
 def seen_past(view: HandView) -> Strips:
-    """Return averaged rows of a picture, at the height of a held book, past which they show the shelf."""
+    """Return averaged rows of a picture that show the shelf beside a held book, at the height of the book."""
     return _strips(view, STRIP_HEIGHTS_M)
 
 

@@ -30,7 +30,9 @@ LANDMARK_DEPTH_TOLERANCE_M = 0.06  # by which it may be nearer or farther than p
 
 
 class Seen(NamedTuple):
-    """Sighting of a landmark, with the pose of the hand by the measured joints."""
+    """One sighting of a landmark by the camera, with the hand's pose at the time, from the measured
+    joints.
+    """
 
     landmark: Landmark
     base_T_hand: Transform

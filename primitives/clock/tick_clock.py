@@ -83,7 +83,9 @@ The number alone stays the same where a module is removed and another one import
 
 
 def serve_library() -> None:
-    """Replace the module `time` by `TickTime` in each loaded module of py_trees that has imported it."""
+    """Replace the module `time` by the robot's clock (`TickTime`) in each loaded py_trees module that imports
+    it.
+    """
     count, last = len(sys.modules), sys.modules[next(reversed(sys.modules))]
     if _served["count"] == count and _served["last"] is last:
         return  # each tick of a tree asks

@@ -95,9 +95,10 @@ class ActionPrimitive(FileModel, ABC):
 
     @classmethod
     def usual_hand_use(cls) -> HandUse:
-        """Return the content of the hand that the primitive requires at its start, and that after Success.
+        """Return the content of the hand that the primitive requires at its start, and the content that it
+        has after Success.
 
-        If a primitive's parameters decide this, the result of `hand_use` for an instance may differ.
+        If a primitive's parameters decide this content, `hand_use` of an instance may return another one.
         """
         if cls.hand is not None:
             return cls.hand

@@ -86,10 +86,10 @@ class GeneratorBehaviour(Behaviour):
 
 
 def leaves(steps: Mapping[str, Step]) -> list[Behaviour]:
-    """Return a leaf for each named step.
+    """Return a leaf of a behaviour tree for each step, under the step's name.
 
-    In a composite of py_trees with memory, such as a Sequence, a leaf begins in the same period in which the
-    previous one ends, so that no period is lost between two steps.
+    In a composite of py_trees with memory, such as a Sequence, a leaf begins in the same control period in
+    which the leaf before it ends, so that no period is lost between two steps.
     """
     return [GeneratorBehaviour(name, step) for name, step in steps.items()]
 

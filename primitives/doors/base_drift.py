@@ -54,7 +54,8 @@ class BaseDrift:
             self._scans.append(self._lidar.scan())
 
     def points(self) -> FloatArray:
-        """Return all points (n, 3) in the base frame at the time of the last one, in [m].
+        """Return all recorded points (n, 3), in [m], in the base frame at the time when the last one was
+        recorded.
 
         The base's motion from each record of a point to the last is estimated from the lidar scans at these
         times. Without a lidar, or if the scans are too few or do not match, the points are returned as

@@ -19,11 +19,11 @@ from .pulling import Pull
 
 
 def measured_joint(robot: Robot, state: DoorState, height: float) -> DoorJoint:
-    """Return the hinge or slide, in the base frame, of a door that the robot has moved before.
+    """Return the hinge or slide, in the base frame, of a door from its measured state.
 
     Args:
         robot: the robot, whose pose on the map is used.
-        state: state in which the door was left.
+        state: state, on the map, that the robot measured when it last moved the door.
         height: height of the door's handle above the floor, in [m].
     """
     closed = np.asarray(base_T_map(robot) @ state.closed.lift(height))

@@ -22,9 +22,9 @@ START_NAME = "the start"
 
 
 class ExploringDrive:
-    """One drive of EXPLORE to a pose on the map drawn so far.
+    """One drive of the primitive EXPLORE to a pose on the map that it has drawn until then.
 
-    That map is not yet in the world model.
+    The world model does not contain that map yet.
     """
 
     def __init__(self, model: ModelView, grid: GridMap, goal: Pose2, wait_s: float, name: str) -> None:
@@ -75,7 +75,9 @@ class ExploringDrive:
             yield
 
     def is_near(self, pose: Pose2) -> bool:
-        """Return whether a pose map_T_base is near enough to the goal to look at the frontier from there."""
+        """Return whether a pose map_T_base is near enough to the goal to sense the frontier (border of
+        unknown ground) from it.
+        """
         return pose.distance(self.goal) < NEAR_M and pose.turn(self.goal) < NEAR_RAD
 
 

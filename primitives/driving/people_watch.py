@@ -27,7 +27,7 @@ NEAR_PERSON_M = 0.3  # from a person's body, within which what was sensed is the
 
 
 class BeamOrder(NamedTuple):
-    """Indices that sort a scan's beams by angle, and their angles, made evenly spaced."""
+    """Order of a lidar's beams by angle: sorted indices, and the sorted angles rounded to equal spacing."""
 
     order: IntArray
     angles: FloatArray
@@ -189,11 +189,15 @@ class PeopleWatch:
         self._level += 1
 
     def try_all_room(self) -> None:
-        """Let the next route be planned with the full distance to people, as in the robot's file."""
+        """Plan the next route with the full distance to people that the robot's file states, not a reduced
+        one.
+        """
         self._level = 0
 
     def is_person(self, x: float, y: float) -> bool:
-        """Return whether a point on the map, in [m], is at a person's body."""
+        """Return whether a point on the map, in [m], is within `NEAR_PERSON_M` of a detected person's
+        body.
+        """
         away = np.hypot(*(self.people.positions - (x, y)).T) - self.people.radii
         return bool((away < NEAR_PERSON_M).any())
 

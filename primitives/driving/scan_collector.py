@@ -87,7 +87,9 @@ class ScanCollector:
         self.flush()
 
     def flush(self) -> None:
-        """Add the keyframes that wait to the map, unless another computation uses the map (`is_busy`)."""
+        """Add all keyframes that were not yet added to the map, unless another computation uses the map
+        (`is_busy`).
+        """
         while self._waiting and not self.is_busy:
             self.map.add(self._waiting.pop(0))
 

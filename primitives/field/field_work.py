@@ -57,7 +57,9 @@ class FieldWork(Section):
         return {"targets": list(self.targets)} if self.targets else {}
 
     def places(self) -> Mapping[str, Place]:
-        """Return the place of the base for each target."""
+        """Return the place of the base to lay a sensor at each target point of the field, by the target's
+        name.
+        """
         ground = self.field
         if ground is None:
             return {}
@@ -68,7 +70,9 @@ class FieldWork(Section):
         return np.empty((0, 3)) if self.field is None else self.field.discs
 
     def faults(self, robot: RobotFile) -> Iterator[Finding]:
-        """Yield a finding for each target that cannot be reached because a rock is too near."""
+        """Yield a finding for each target, a point where a sensor is to be laid, that a rock makes
+        unreachable.
+        """
         if self.field is None:
             return
         room = robot.footprint_radius_m

@@ -18,7 +18,7 @@ from .place import Places
 
 
 class SpeedMask(FileModel):
-    """Mask over the map that limits the speed of the robot's base by its cells, with values from 0 to 100.
+    """Mask over the map that limits the speed of the robot's base, with a value from 0 to 100 in each cell.
 
     The limit in a cell is `base + multiplier * value`, in percent of the top speed or in [m/s] (`type`). A
     value of 0 means no limit.

@@ -125,10 +125,12 @@ class Section:
         return cls(**{key: found for key, found in read.items() if found is not None})
 
     def names(self) -> Mapping[str, Collection[object] | None]:
-        """Return the names that are known in this domain, by kind.
+        """Return the names of things that this section's files define, by kind, such as the names of all
+        doors.
 
-        Parameters annotated with `Names(KIND)` are checked against them, and `{all: KIND}` in a task file is
-        replaced by them. They are None if the file with the names of this kind is invalid.
+        A primitive's parameter annotated with `Names(KIND)` has to be one of the names of this kind, and
+        `{all: KIND}` in a task file is replaced by all of them. The names of a kind are None if the file that
+        defines them is invalid.
         """
         return {}
 

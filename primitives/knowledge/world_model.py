@@ -71,8 +71,8 @@ SectionT = TypeVar("SectionT", bound=Section)
 class WorldModel:
     """Knowledge of the robot: map, places, obstacles, and a section for each domain (kind of work).
 
-    A task may repeat its actions for each element of a list, such as each object to fetch; `clear_element`
-    clears the knowledge about the present element.
+    A task may repeat its actions for each element of a list, such as each object to fetch; when the task goes
+    on to the next element, `clear_element` clears the knowledge about the one before.
     """
 
     map: GridMap
@@ -312,7 +312,9 @@ class WorldModel:
         self._noted = self._now()
 
     def taken_changes(self) -> dict[str, Any]:
-        """Return the knowledge learned or cleared since the last call, ready for JSON."""
+        """Return the entries of the world model that were learned or cleared since the last call, ready for
+        JSON.
+        """
         now = self._now()
         if now == self._noted:
             return {}

@@ -128,7 +128,7 @@ class LookFor(ActionPrimitive):
         )
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Return whether the object was located."""
+        """Return whether the searched object was found, and its pose measured."""
         return self._seen is not None
         yield
 

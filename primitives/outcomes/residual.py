@@ -90,7 +90,9 @@ class Residual:
 
 
 class Residuals(Mapping[str, float]):
-    """Residuals of a comparison of two states, also usable as a mapping from label to value."""
+    """Differences of measured quantities between two states of the robot; also a mapping from label to
+    value.
+    """
 
     def __init__(self, residuals: Iterable[Residual] = ()) -> None:
         """Collect residuals; their order is kept."""
@@ -109,7 +111,7 @@ class Residuals(Mapping[str, float]):
 
     @property
     def beyond(self) -> Residuals:
-        """Residuals beyond their limits."""
+        """Residuals, differences of measured quantities between two states, that are beyond their limits."""
         return Residuals(residual for residual in self.all if not residual.is_within)
 
     @property

@@ -58,9 +58,10 @@ class Trace:
         return begin + int(np.argmin(off))
 
     def cut_to(self, robot: Robot) -> None:
-        """Remove the detour of the base since it was last near its present pose, so that it isn't retraced.
+        """Remove the base's path since the recorded moment nearest to its present pose, so that it isn't
+        retraced.
 
-        All moments since then get the present pose of the base. Their states of arm and gripper stay.
+        All later moments get the present pose of the base. Their states of arm and gripper are kept.
         """
         pose, odometry_pose = robot.pose, robot.localization.odometry_pose
         for number in range(self.nearest(odometry_pose) + 1, len(self.moments)):

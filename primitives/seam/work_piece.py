@@ -28,7 +28,7 @@ class WorkBox(FileModel):
 
     @property
     def box(self) -> Box:
-        """Return the box, posed on the map."""
+        """Return this part of the work piece as a box, posed on the map."""
         floor = Pose2(self.x_m, self.y_m, math.radians(self.heading_deg))
         return Box(floor.lift(self.above_m + self.size_m[2] / 2), self.size_m, self.name)
 

@@ -20,7 +20,8 @@ _GENERAL = {
 
 
 def kinds() -> dict[str, str]:
-    """Return all kinds of files, each with the import path of the model by which it is checked.
+    """Return all kinds of files, each with the import path of the Pydantic model that validates files of that
+    kind.
 
     A kind is the part of a file's key `format` after `handcart-`.
     """

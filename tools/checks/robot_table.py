@@ -48,13 +48,14 @@ class RobotRow(NamedTuple):
 
 
 def robot_table(robots: dict[str, Path] | None = None) -> Iterator[RobotRow]:
-    """Yield a row for each robot that has a name.
+    """Yield a row for each shipped or installed robot, with the backends and primitives that can be used with
+    it.
 
-    The primitives of a row are those that the robot's sensors, drives and sections of its file allow. Whether
-    its tray, tool or postures are right for a task is checked with the task.
+    The primitives are those for which the robot has the sensors, drives and sections of its file. Whether its
+    tray, tool or postures are right for a task is checked with the task.
 
     Args:
-        robots: files by names (default: all robots that have a name).
+        robots: files by names (default: all shipped and installed robots).
     """
     backends = {name: found for name in backend_names() if (found := _class_of(name)) is not None}
     primitives = {name: kind for name in primitive_names() if (kind := _primitive(name)) is not None}

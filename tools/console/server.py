@@ -31,7 +31,7 @@ _PAGES["/console.css"] = ("console.css", "text/css")
 
 
 class NoConsole(InputError):
-    """Error, because the console cannot be served."""
+    """Error, because the web server of the console (page that shows and controls runs) cannot be started."""
 
 
 class Server:

@@ -42,8 +42,10 @@ class Tickets:
         return word
 
     def take(self, word: str) -> Ticket | None:
-        """Return the ticket that was issued with a random word, and invalidate it; None if it is unknown or
-        too old.
+        """Return the ticket (permission to open a file once) that was issued with a random word, and
+        invalidate it.
+
+        The result is None if the word is unknown or its ticket is too old.
         """
         ticket = self._given.pop(word, None)
         return ticket if ticket is not None and time.monotonic() < ticket.until else None

@@ -99,7 +99,7 @@ class Watcher:
         return [self._state(name, listed) for name, listed in self._listed.items()]
 
     def close(self) -> None:
-        """Stop the threads of `away`; work that has not begun is cancelled."""
+        """Stop the threads in which `away` calls functions; calls that have not begun are cancelled."""
         self._pool.shutdown(wait=False, cancel_futures=True)
 
     def _list(self) -> dict[str, ListedRun]:

@@ -110,11 +110,11 @@ class RunDesk:
         link.serve(f"{SERVICE_PREFIX}/resume", self.resume)
 
     def state(self) -> dict[str, Any]:
-        """Return the offered tasks, the running run, the record that waits for a person, and the run that can
-        be resumed.
+        """Return the offered tasks, the running run, the stopped run that waits for a person, and the run
+        that can be resumed.
 
-        The caller publishes this state, so that people can read it. A new entry can be acknowledged or
-        resumed only `READ_S` after it was first returned.
+        The caller publishes this state, so that people can read it. A run can be acknowledged or resumed only
+        `READ_S` after this method first returned it.
         """
         last = self._last()
         if last != self._read[0]:

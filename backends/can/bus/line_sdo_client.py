@@ -32,7 +32,7 @@ class LineSdoClient(SdoClient):
     _left = _FRAMES
 
     def upload(self, index: int, subindex: int) -> bytes:
-        """Read an object of a node, as canopen's `SdoClient.upload` does."""
+        """Read an object of a node by SDO, and return its data."""
         self._left = _FRAMES
         return super().upload(index, subindex)
 

@@ -165,7 +165,9 @@ def _files(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
 
 
 def placed_axes(spec: CanSpec) -> Iterator[tuple[Place, AxisSpec]]:
-    """Yield the place of each drive in the section `can`, such as `("joints", 0)`, and its specification."""
+    """Yield the keys that lead to each drive in the section `can`, such as `("joints", 0)`, and its
+    specification.
+    """
     yield ("left",), spec.left
     yield ("right",), spec.right
     for number, joint in enumerate(spec.joints):

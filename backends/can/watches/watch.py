@@ -20,7 +20,7 @@ class Watch(ABC):
     """
 
     def begin(self, now: float) -> None:
-        """Begin to watch the drives when they have been enabled; `now` is the time in [s]."""
+        """Begin to monitor the drives, which have just been enabled; `now` is the time in [s]."""
         return
 
     def hear(self, frame: can.Message, sent: bool, now: float) -> None:

@@ -155,7 +155,9 @@ class Engine(ABC):
 
     @abstractmethod
     def add_thing(self, form: ThingForm) -> int:
-        """Add a rigid body that moves freely or on a joint of the world; return its number."""
+        """Add a rigid body that moves freely or on a joint fixed to the world; return the number of the
+        body.
+        """
 
     @abstractmethod
     def show(self, body: int, picture: ByteArray) -> None:
@@ -170,7 +172,9 @@ class Engine(ABC):
         """Return the pose world_T_body (4, 4) of a body's centre of mass."""
 
     def moved(self) -> Collection[int] | None:
-        """Return the numbers of the things that may have moved since the last call; None if unknown."""
+        """Return the numbers (engine's indices) of the bodies that may have moved since the last call; None
+        if unknown.
+        """
         return None
 
     @abstractmethod
@@ -217,7 +221,8 @@ class Engine(ABC):
 
     @abstractmethod
     def free_shares(self, start: FloatArray, ends: FloatArray) -> FloatArray:
-        """Return the free share of each line from a start to an end, ignoring the robot.
+        """Return the fraction of each line from a start to an end that is free of bodies other than the
+        robot's.
 
         Args:
             start: (3,) common start of the lines in the world, in [m].

@@ -17,7 +17,8 @@ PRESSING_PERIODS = 8  # periods that they get to press on it
 
 
 class Magazine(PropsBody):
-    """Magazine on the robot in a physics engine, which holds the next sensor between the open fingers.
+    """Magazine on the robot in a physics engine, which holds the next sensor to be laid between the open
+    fingers.
 
     The sensor collides with nothing until the fingers have closed on it.
     """

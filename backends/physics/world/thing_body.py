@@ -74,8 +74,8 @@ class ThingBody:
         return tuple(_part_of(number, side in faces) for number, side in enumerate(BOX_SIDES))
 
     def first_picture(self) -> ByteArray:
-        """Return the grey texture (h, w) of all faces when the body is created, laid out in the picture by
-        the coordinates that `uvs` returns.
+        """Return the grey texture (h, w) of all faces when the body is created, in which each face is at the
+        texture coordinates that `uvs` returns.
         """
         return _picture(self.thing.faces(), self.thing.grey)
 

@@ -230,7 +230,7 @@ class Localization(ABC):
         self.held_base.note_pose(self._is_found)
 
     def look_again(self, rolled: Pose2 = Pose2(0.0, 0.0, 0.0)) -> None:
-        """Find the pose again if a scan shows that the resting base was moved; `rolled`: motion by wheels."""
+        """Find the pose again if a scan shows that the base was moved; `rolled` is the wheels' motion."""
         if self.still <= STILL_SCANS or self._range_sensor is None:
             return
         points, scan = self._fresh_points(), self._range_sensor.scan()

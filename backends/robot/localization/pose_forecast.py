@@ -30,8 +30,8 @@ MIN_RANGE_SIGMA_M = 0.01
 
 
 class PoseForecast(NamedTuple):
-    """Expected accuracy of the pose at a place, after the robot has driven there, for a check before the
-    drive.
+    """Forecast, before a drive, of how accurately the localizer will know the base's pose at the end of its
+    route.
     """
 
     found: Undetermined | None

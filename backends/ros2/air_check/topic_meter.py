@@ -69,7 +69,9 @@ class TopicMeter:
         self._frames[header.frame_id] = None
 
     def measured(self) -> MeasuredTopic:
-        """Return the rate, gaps, ages and frames of the messages since `begin`."""
+        """Return the rate, longest gap, ages and frame IDs of the topic's messages since `begin` was
+        called.
+        """
         times = np.array([self._begun, *self._arrivals, self._clock()])
         count = len(self._arrivals)
         span = times[-2] - times[1] if count > 1 else 0.0

@@ -136,7 +136,9 @@ class RosBench:
         self._publish()
 
     def state(self) -> dict[str, object]:
-        """Return the state of the drivers for a checkpoint, without the state of the simulated robot."""
+        """Return the state of the simulated ROS drivers for a checkpoint, without that of the simulated
+        robot's body.
+        """
         return {
             "drivers": attributes(self, self.STATE),
             "wheels": attributes(self._wheels, WheelOdometry.STATE),

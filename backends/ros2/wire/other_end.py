@@ -18,7 +18,7 @@ class OtherEnd(Protocol):
 
     @property
     def link(self) -> Link:
-        """Connection of the program to the drivers' topics."""
+        """Connection of the robot program to the topics of the ROS drivers."""
 
     @property
     def inner(self) -> Backend | None:

@@ -28,7 +28,7 @@ class BlocksSection(FileModel):
 
 
 class BlockProps(Props[BlocksSection]):
-    """Blocks of a simulated world, which a person puts down at the start and the robot stacks."""
+    """Blocks of a simulated world: a person puts them down before the run, and the robot stacks them."""
 
     section = BlocksSection
     STATE: ClassVar[Kinds] = {"blocks": dict[str, Block]}

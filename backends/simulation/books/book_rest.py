@@ -18,7 +18,9 @@ MAX_FALLEN_HEIGHT_M = 0.5  # [m] above the floor
 
 
 def book_rest(books: BooksThere, book: SimulatedBook) -> tuple[Rest, str | None]:
-    """Return the kind of support of a book in a physics engine, and the shelf's name if it is on a shelf."""
+    """Return what supports a book in a physics engine, such as the tray or the floor, and the name of the
+    shelf if the book is on one.
+    """
     for name, shelf in books.shelves.items():
         x, y, z = (shelf.inverse_pose @ book.pose)[:3, 3]
         on_board = (

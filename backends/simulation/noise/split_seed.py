@@ -7,7 +7,9 @@ from typing import NamedTuple
 
 
 class SeedBranch(NamedTuple):
-    """One continuation of a run that was split, with the periods in which random numbers had been drawn."""
+    """One of several continuations of a run that was split at one instant; each draws its own random numbers
+    after it.
+    """
 
     number: int
     """Number of the branch, from 1, which separates its draws from those of other branches."""

@@ -205,7 +205,8 @@ class Scene:
     def felt_force(self) -> FloatArray:
         """Return the force (3,) that the hand's sensor feels, in the hand frame, in [N], without noise.
 
-        It is the sum of contact forces, weights that the sensor feels, and forces of domains' things.
+        It is the sum of contact forces, the weight of a held object that the sensor feels, and forces that
+        application domains add.
         """
         force = self.hand_force
         for props in self.props.values():

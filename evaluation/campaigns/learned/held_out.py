@@ -28,7 +28,10 @@ class HeldOut(NamedTuple):
 
 
 class Trust(NamedTuple):
-    """Result of a two-fold cross-validation of learned probabilities, with one comparison a prediction."""
+    """Result of a two-fold cross-validation of learned probabilities.
+
+    It has one comparison with the measured value for each predicted probability.
+    """
 
     tried: tuple[HeldOut, ...]
 

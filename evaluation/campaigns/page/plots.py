@@ -34,7 +34,7 @@ class PlotAxis:
         return self.width * (value - self.least) / span if span else 0.5 * self.width
 
     def ticks(self) -> list[tuple[float, str]]:
-        """Return the position of each label in [px], and its text, at round values."""
+        """Return the tick labels of the axis, at round values, each as its position in [px] and its text."""
         if self.least == self.most:
             return [(self.at(self.least), f"{self.least:.6g}")]
         least_step = (self.most - self.least) / _TICKS

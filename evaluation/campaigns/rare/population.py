@@ -47,7 +47,9 @@ class Population(NamedTuple):
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Estimated share of all runs that reach each level."""
+        """Estimated share of all runs, 0 to 1, that reach each level, which is a stage before the rare
+        outcome.
+        """
         reached = [level.reached / level.runs for level in self.levels[:-1]]
         return tuple(np.cumprod([1.0, *reached]).tolist())
 

@@ -64,7 +64,9 @@ def run_population(task: Path, runs: Path, options: RunOptions, event: RareEvent
 
 
 def stopped(seed: int) -> Trial:
-    """Return a trial with outcome Cancelled for a population that was interrupted."""
+    """Return a trial with outcome Cancelled for a population of runs (rare-event estimate) that was
+    interrupted.
+    """
     from handcart.networks.coordination.supervision import INTERRUPTED_REASON
 
     summary = {

@@ -72,7 +72,8 @@ class SplitRuns:
         """Names of the kept run folders."""
 
     def advance(self, level: int, starts: IndexArray | int) -> Level:
-        """Continue runs until they end or reach a level, and keep their states at the level.
+        """Continue runs until they end or reach a level of importance (nearness to the rare event); keep
+        their states there.
 
         Args:
             level: importance at which the runs are stopped, from 1.

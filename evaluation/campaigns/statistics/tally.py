@@ -22,7 +22,9 @@ _NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?!\w)")
 
 
 class Blame(NamedTuple):
-    """Primitive, outcome and cause that Fails or GiveUps are grouped by."""
+    """Key by which a campaign's Fails and GiveUps are grouped and counted, with primitive, outcome and
+    cause.
+    """
 
     primitive: str
     outcome: str

@@ -111,10 +111,10 @@ class Walker:
         )
 
     def stride(self, moment: Int32Array, after_fail: BoolArray, drawn: FloatArray) -> Stride:
-        """Draw the outcome and duration of each walk's next action; return them with the next states.
+        """Draw the outcome and duration of each walk's next action; return them with the walks' next states.
 
         Args:
-            moment: (n,) numbers of the walks' states in the table.
+            moment: (n,) numbers of the walks' present states in the table of states.
             after_fail: (n,) whether the preceding action has failed.
             drawn: (2, n) random numbers, uniform in [0, 1).
         """

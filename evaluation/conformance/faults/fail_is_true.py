@@ -100,7 +100,8 @@ class Batch:
                 yield FaultTrial(name, self.action, period, *words, ending, expected)
 
     def faults(self, name: str, number: int, sensors: Sequence[str]) -> list[Fault]:
-        """Return the faults to inject at one instant: one of each general kind, and those of the domain.
+        """Return the faults to inject at one instant, one of each kind in `kinds` and those that the domain
+        declares.
 
         Args:
             name: name of the primitive, whose application domain may declare faults of its own.

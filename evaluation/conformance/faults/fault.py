@@ -58,7 +58,9 @@ HARMLESS_FAULTS = (
 
 @dataclass(frozen=True)
 class Fault:
-    """Fault of a sensor, a part of the robot or the world that begins when it is injected."""
+    """Fault to be injected into a simulation: of a sensor, of a part of the robot, or of the world
+    around it.
+    """
 
     kind: FaultKind
     sensor: str = ""

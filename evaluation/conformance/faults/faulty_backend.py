@@ -76,7 +76,7 @@ class FaultyBackend(LayeredBackend):
             base.drive(math.copysign(SLIDING_SPEED_M_S, fault.turn_rate), 0.0)
 
     def stay(self) -> bool:
-        """End an injected slip of the base; return whether the base slid in the latest periods.
+        """End an injected slip of the base; return whether the base slid a short time ago.
 
         A stuck arm or gripper no longer catches up with its goal, so that the fault moves nothing more.
         """

@@ -76,7 +76,7 @@ class QueuesCommands(LayeredBackend):
         self._due = QUEUE_DELAY_PERIODS
 
     def step(self) -> None:
-        """Send the command that was kept at a stop when its delay is over, then step."""
+        """Send the base's last command again when some periods have passed since a stop, then step."""
         base = part_of(self.inner, Base)
         self._due -= 1
         if base is not None and 0 <= self._due < QUEUE_DELAY_PERIODS // 2:

@@ -146,7 +146,9 @@ def changing_readings(backend: Backend, periods: int) -> set[str]:
 
 
 def noisy_readings(backend: Backend) -> set[str]:
-    """Return the names of the readings that are noisy on a real robot."""
+    """Return the names of the backend's sensor readings that are noisy on a real robot, such as "arm
+    joints".
+    """
     return {
         reading_name(part, method)
         for part in backend.capabilities()

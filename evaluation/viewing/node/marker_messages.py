@@ -33,7 +33,9 @@ BLUE, GREY, RED, ORANGE, GREEN = (
 
 
 class Layer(NamedTuple):
-    """Name, marker type, size and colour of one kind of points that are published as ROS markers."""
+    """Appearance of one kind of points or lines, such as the planned path, that are published as ROS
+    markers.
+    """
 
     name: str
     type: int

@@ -68,7 +68,7 @@ class PlaybackRecorder(RunObserver):
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
         """Write the run's constant data (robot, map, places, solid bodies), and start to record the run.
 
-        If an interrupted run is continued, its recording up to there is kept.
+        If an interrupted run is continued, its recording up to the interruption is kept.
         """
         self._scene = simulated_world(prepared.backend)
         backend = prepared.backend

@@ -16,9 +16,9 @@ PATH_PERIOD_S = 0.5  # after which the driven path is drawn again
 
 
 class RecordedFrames:
-    """Source of the states of a recorded run, at any times, for drawing them one after the other.
+    """Source of frames (states to draw) of a recorded run at any requested times.
 
-    Each frame contains only the differences to the frame before it.
+    Each frame contains only the differences to the frame returned before it.
     """
 
     def __init__(self, playback: Playback) -> None:

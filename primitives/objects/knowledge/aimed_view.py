@@ -36,10 +36,10 @@ def aimed_joints(
     """Return joints (n,), in [rad] or [m], that turn a camera to a point, and the pose base_T_camera (4, 4).
 
     The camera is on a head or mast, not on the hand. The arm keeps its posture if it does not hide the point.
-    Otherwise the first of these that neither collides nor hides the point is taken: the posture `home` (only
-    with an empty hand), the arm swung aside about a vertical joint, the hand moved down or aside. All but
-    `home` keep a held object upright. Of several heights of a lift, the one whose view is nearest to the
-    first wanted direction is taken. None if all collide or hide the point.
+    Otherwise the arm takes the first of these postures that neither collides nor hides the point: `home`
+    (only with an empty hand), the arm swung aside about a vertical joint, the hand moved down or aside. All
+    but `home` keep a held object upright. If a lift carries the camera, the free height whose view is nearest
+    to the first wanted direction is taken. The result is None if all postures collide or hide the point.
 
     Args:
         robot: robot with a camera behind joints of the section `arm`.

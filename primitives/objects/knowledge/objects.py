@@ -279,8 +279,8 @@ class Objects(Section):
         return (*surface.contact_names(name), *reached)
 
     def believed(self, name: str) -> Pose2 | None:
-        """Return the believed pose of an object on the map, moved with its surface; None if it may be
-        anywhere on the surface.
+        """Return the pose on the map that the file of objects states for an object, moved with its surface if
+        that was measured elsewhere; None if the object may be anywhere on the surface.
         """
         known = self.objects.objects[name]
         if known.x_m is None or known.y_m is None:

@@ -109,7 +109,8 @@ class ObjectLook:
             raise Discrepancy(str(broken), permanent=True, cause=causes.NOT_SEEN) from None
 
     def understand(self, robot: Robot, model: ModelView, surface: str) -> Periods:
-        """Find the things on a surface from all depth pictures so far, and store them in `found`.
+        """Find the things on a surface in all depth pictures that this look has taken, and store them in
+        `found`.
 
         Things that an earlier call stored are replaced. Without depth pictures, nothing is done.
         """

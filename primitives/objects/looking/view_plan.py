@@ -34,13 +34,13 @@ ROBOT_AZIMUTHS_RAD = tuple(math.radians(value) for value in (180.0, 140.0, -140.
 def places_and_weights(
     surface: ObjectSurface, believed: tuple[float, float] | None, sigma: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return places (n, 2) on the map, in [m], where the object may be, and their probabilities (n,).
+    """Return places (n, 2) on the map, in [m], where a searched object may be, and their probabilities (n,).
 
     Args:
-        surface: surface that the object is on.
-        believed: x and y on the map, in [m], of the believed place; None if it may be anywhere on the
-            surface.
-        sigma: standard deviation of the believed place along each axis, in [m].
+        surface: surface on which the object is.
+        believed: x and y on the map, in [m], at which the object is believed to be; None if it may be
+            anywhere on the surface.
+        sigma: standard deviation of `believed` along each axis, in [m].
     """
     length, width = surface.size_m
     grid = np.stack(

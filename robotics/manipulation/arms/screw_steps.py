@@ -136,7 +136,8 @@ def pose_error(pose: FloatArray, target: FloatArray, free: int, error: FloatArra
 
 @compiled
 def without_free(pose: FloatArray, free: int, rows: FloatArray) -> None:
-    """Remove the free turn from the columns of a Jacobian or of a twist, in place.
+    """Remove the rotation about the task's free axis from the columns of a Jacobian or from a twist, in
+    place.
 
     Args:
         pose: (4, 4) base_T_tip.

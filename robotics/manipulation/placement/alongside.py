@@ -25,9 +25,7 @@ _ATTEMPTS = 40  # at ways that the arm follows, point by point
 
 
 class Leg(NamedTuple):
-    """Straight drive of the base during which the arm follows a part of a path, with its start and its
-    score.
-    """
+    """Straight drive of the base during which the arm follows a part of the tool's path."""
 
     start: Pose2
     """world_T_base at the path's first point."""

@@ -78,8 +78,8 @@ class BaseScorer:
         return self.scores_by(bases, path, self.rule)
 
     def reached(self, bases: FloatArray, path: ToolPath) -> BoolArray:
-        """Return a mask (b, p), True for points of a path that the arm reaches from a base pose, at any
-        speed.
+        """Return a mask (b, p), True for points of a path that the arm reaches from a base pose; limits of
+        joint speeds are not considered.
 
         Args:
             bases: (b, 3) world_T_base: x, y in [m], heading in [rad].

@@ -53,7 +53,7 @@ class Goal(NamedTuple):
 
 
 class BaseStop(NamedTuple):
-    """A pose of the base, and the range of goals whose tasks the hand does from there."""
+    """A pose of the base from which the hand does its tasks at consecutive goals, `first` to `last`."""
 
     base: FloatArray
     """(3,) map_T_base, x and y in [m], heading in [rad]."""

@@ -143,7 +143,7 @@ class PathTracker:
 
     @property
     def ahead(self) -> FloatArray:
-        """Rest (k, 2) of the route on the map, from the robot's place on it, in [m]."""
+        """Points (k, 2) of the remaining route, from the robot's present place on it, on the map in [m]."""
         here = [np.interp(self._progress, self._along, self._points[:, i]) for i in (0, 1)]
         return np.vstack([here, self._points[self._along > self._progress]])
 
@@ -170,7 +170,10 @@ class PathTracker:
         return self._ramp.towards(-speed if self._flip else speed, turn_rate, dt)
 
     def hold(self, pose: Pose2, dt: float) -> tuple[float, ...]:
-        """Return the command, with the same values as `command`, to come to rest and stay at rest.
+        """Return the command to come to rest and stay at rest.
+
+        The values are the speed in [m/s], negative backwards, the turn rate in [rad/s], positive to the left,
+        and for a base that can drive sideways, the speed to the left in [m/s].
 
         While the base still rolls, its progress along the route is updated.
 

@@ -65,8 +65,8 @@ class PurePursuit:
         return float(np.hypot(*(self._poses[self._at, :2] - pose[:2])))
 
     def advance(self, pose: Pose2) -> None:
-        """Set the progress to the point of the path nearest to the car, only a little ahead and never
-        back.
+        """Move the progress on the path to the point nearest to the car, at most `SEARCH_AHEAD_M` ahead,
+        never back.
         """
         end = int(np.searchsorted(self._along, self._along[self._at] + SEARCH_AHEAD_M, side="right"))
         away = np.hypot(*(self._poses[self._at : end, :2] - pose[:2]).T)

@@ -79,8 +79,8 @@ class WayGuard:
         self._stands: tuple[_Stand, ...] = ()
 
     def stand_at(self, pose: Pose2, scan: FloatArray) -> None:
-        """Allow the robot to be as near to mapped and scanned obstacles as it is at a pose; forget earlier
-        such poses.
+        """Allow the robot to be as near to mapped and scanned obstacles as it is at a pose; forget all poses
+        allowed earlier.
 
         Args:
             pose: map_T_base.

@@ -253,7 +253,7 @@ class ScanLocalizer(Localizer):
 
     @property
     def lost(self) -> bool:
-        """True if the last scans fit the map at no near pose, or the first scan contradicts the start."""
+        """True if the latest scans fit the map nowhere near, or the first scan contradicts the start pose."""
         return self.misplaced or self._poor >= self._patience
 
     def correct(self, points: FloatArray) -> bool:

@@ -76,7 +76,7 @@ class OdometryLocalizer(Localizer):
 
     @property
     def looks(self) -> bool:
-        """True if there is a map, with which scans at rest are compared."""
+        """True if the localizer has a map, with which it compares scans taken while the base is at rest."""
         return self._field is not None
 
     @property
@@ -176,7 +176,8 @@ class OdometryLocalizer(Localizer):
         self._odometry.correct(pose, (np.eye(3) - gain) @ own)
 
     def find_again(self, points: FloatArray) -> bool:
-        """Return whether the base was moved while its wheels stood: its last two scans fit at two places.
+        """Return whether the base was moved while its wheels were at rest, so that its last two scans fit at
+        two places.
 
         The motion between these places is added to the pose.
 

@@ -35,8 +35,9 @@ class UnmappedSurroundings:
         """Keyframes so far."""
 
     def locate(self, points: FloatArray, prior: Pose2) -> LayerMatch | None:
-        """Return the pose at which a scan fits the keyframes; None if it fits nowhere, or the map contradicts
-        the pose.
+        """Return the pose at which a scan fits earlier scans of unmapped surroundings.
+
+        The result is None if the scan fits nowhere, or the map contradicts the pose.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].

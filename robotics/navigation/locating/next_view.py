@@ -64,7 +64,7 @@ def next_view(around: Surroundings, field: LikelihoodField, poses: FloatArray, r
     The place is 0.5 to 6 m away.
 
     Args:
-        around: ground that was seen.
+        around: ground that the robot has sensed around it.
         field: likelihood field of the map.
         poses: (k, 3) map_T_base of each hypothesis, in [m, m, rad], the best first.
         reach: range of the lidar, in [m].

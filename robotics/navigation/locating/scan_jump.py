@@ -53,9 +53,9 @@ class ScanJump:
         return self._changes > 0
 
     def take(self, beams: ScanBeams, at_rest: bool, pose: Pose2, slides: bool = False) -> bool:
-        """Compare a scan with the earlier one; return whether the last scans show that the base was lifted.
+        """Compare a scan with an earlier one; return whether the latest scans show that the base was lifted.
 
-        If they do, all scans are discarded.
+        If they show this, all scans kept for comparison are discarded.
 
         Args:
             beams: beams of the scan.

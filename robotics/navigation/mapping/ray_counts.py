@@ -44,7 +44,9 @@ class RayCounts(NamedTuple):
 
     @property
     def grid(self) -> GridMap:
-        """Map of occupied, free and unknown cells that follows from the counts."""
+        """Map of occupied, free and unknown cells that follows from how many beams ended in each cell or
+        passed through it.
+        """
         seen = self.hits + self.passes
         occupied = (self.hits >= MIN_HITS) & (self.hits >= MIN_HIT_SHARE * seen)
         free = ~occupied & (self.passes >= MIN_PASSES)

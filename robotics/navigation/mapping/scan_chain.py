@@ -77,7 +77,8 @@ def chain(
 
 
 def chain_edges(poses: Sequence[Pose2], match: LineMatch, points: int) -> list[Edge]:
-    """Return the edges of the last keyframe, which was matched with several earlier keyframes at once.
+    """Return the pose graph's edges (relative poses) of the last keyframe, which was matched with several
+    earlier keyframes at once.
 
     Each edge leads to one of these keyframes; a scan with more points has more edges. The information of the
     match is divided among the edges. The error of the last pose is therefore that of a single match, and does

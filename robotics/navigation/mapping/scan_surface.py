@@ -49,7 +49,7 @@ class Surface:
         return Surface(pose.apply(self.points), Pose2(0.0, 0.0, pose.theta).apply(self.normals))
 
     def thinned(self, most: int) -> Surface:
-        """Return the surface with at most `most` of its points, chosen at equal intervals."""
+        """Return a surface with every k-th point of this one, so that at most `most` points are left."""
         stride = max(1, math.ceil(len(self.points) / most))
         return Surface(self.points[::stride], self.normals[::stride])
 

@@ -17,7 +17,9 @@ SUBCELL_BITS = 8  # binary places of a cell in which outlines are drawn
 
 
 class MovableArea(NamedTuple):
-    """Outline of a thing that may have moved since the map was made, and how far it may be away now."""
+    """Outline of a thing that may have moved since the map was made, and how far from this outline it may be
+    now.
+    """
 
     outline: FloatArray
     """(n, 2) corners of a polygon on the map, in [m]."""

@@ -50,7 +50,7 @@ class ScanLayer:
         return self._grid.to_point(np.argwhere(self.occupied))
 
     def merged(self) -> GridMap:
-        """Return the map with the cells of sensed obstacles occupied in addition."""
+        """Return the map, in which the cells of sensed obstacles are occupied, too."""
         occupied = self.occupied
         return self._grid._replace(
             occupied=self._grid.occupied | occupied, unknown=self._grid.unknown & ~occupied
@@ -118,7 +118,8 @@ class ScanLayer:
         )
 
     def restore(self, cells: FloatArray) -> None:
-        """Set cells to the rows (n, 4) that `cells` returned; other cells keep their scores.
+        """Set the cells in the rows (n, 4) that `cells` returned to the scores in these rows; keep other
+        cells.
 
         Rows are x, y on the map in [m], score, and time in [s]. They may come from a layer on another map of
         the same frame; cells outside this map are ignored.

@@ -265,7 +265,9 @@ class Odometry:
 
     @property
     def scale_variance(self) -> float:
-        """Relative variance of the length that is computed for a straight way, without unit."""
+        """Variance of the relative error of the length that wheel odometry computes for a straight path,
+        without unit.
+        """
         return float(self._state[3:5, 3:5].sum()) / 4.0
 
     def doubt_scale(self, size: float) -> None:

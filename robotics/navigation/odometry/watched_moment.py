@@ -68,8 +68,11 @@ class WatchedMoment(NamedTuple):
         return cls(Belief(now.mean[:states].copy(), covariance[:, :states].copy()), covariance)
 
     def stepped(self, transition: FloatArray) -> Self:
-        """Return the moment after the present states, (n,) in any units, were predicted with `transition` (n,
-        n).
+        """Return the tracked moment after a prediction step of the filter, which keeps its estimate and
+        changes its covariance with the present states.
+
+        Args:
+            transition: (n, n) transition of the present states in this step, in any units.
         """
         return type(self)(self.belief, self.shared @ transition.T)
 
@@ -120,11 +123,13 @@ class WatchedMoment(NamedTuple):
         return self._replace(shared=np.zeros_like(self.shared))
 
     def relative_pose(self, now: Belief) -> Belief:
-        """Return the present pose relative to that at the moment: mean (3,) and covariance (3, 3).
+        """Return the present pose relative to the pose at the tracked moment, with mean (3,) and covariance
+        (3, 3).
 
-        The values are x, y in [m] and heading in [rad], in the frame of the earlier pose.
+        The values are x, y in [m] and heading in [rad], in the frame of the pose at the tracked moment.
 
-        The first three states of both have to be x, y and heading. The heading of the mean isn't wrapped.
+        The first three states of `now` and of the tracked moment have to be x, y and heading. The heading of
+        the mean isn't wrapped.
 
         Errors common to both moments cancel, and the absolute heading does not matter.
         """

@@ -121,11 +121,11 @@ class FieldLocalizer(ABC):
 
     @property
     def displacement(self) -> Belief:
-        """Motion origin_T_base since `set_origin`, with its covariance.
+        """Motion of the base since `set_origin` was called, as the pose origin_T_base with its covariance.
 
         The mean (3,) is x ahead and y left in [m] and the turn in [rad]. Over some metres the motion is known
-        far better than the pose on the Earth, because common errors of both poses cancel, and the heading on
-        the Earth does not matter.
+        far better than the pose on the Earth, because errors common to the poses at its start and end cancel,
+        and the heading on the Earth does not matter.
 
         Raises:
             ValueError: no origin was set.

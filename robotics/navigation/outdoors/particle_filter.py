@@ -21,7 +21,10 @@ from .lost_track import LostTrack
 
 
 class ParticleErrors(NamedTuple):
-    """Standard deviations that the particle filter assumes; Ohki et al. (2012) give only `gps`."""
+    """Standard deviations of motion, start pose and fixes that the particle filter assumes.
+
+    Ohki et al. (2012) state only `gps`.
+    """
 
     forward: float = 0.10
     """Relative error of each step's length."""

@@ -34,7 +34,8 @@ class Entries(NamedTuple):
 
 
 class TrackRecord:
-    """Record of a Kalman filter's run, from which the filter's states at marked moments are smoothed.
+    """Record of a Kalman filter's run, from which its states at moments that the caller marked are smoothed
+    afterwards.
 
     Readings between two marked moments are combined when they come, so the record grows with the number of
     marked moments, not with time.

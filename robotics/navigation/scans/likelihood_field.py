@@ -106,7 +106,8 @@ class LikelihoodField:
         return FieldValues(readings[:, 0] * self.map.resolution, readings[:, 1:3])
 
     def fixed(self, points: FloatArray, pose: Pose2) -> FloatArray:
-        """Return the points (m, 2) of a scan that are not near things that may have moved.
+        """Return the points (m, 2) of a scan that are not near things that may have moved since the map was
+        made.
 
         Args:
             points: (n, 2) in the base frame, in [m].

@@ -85,7 +85,9 @@ class _Body:
 
 
 class TrackedScan(NamedTuple):
-    """Result of tracking, with a scan's points on moving bodies and the ground that such bodies have left."""
+    """Result of tracking people and carts: a scan's points on moving bodies, and the ground that bodies have
+    left.
+    """
 
     moving: BoolArray
     """Mask (n,) of the points on people and carts that move, or rested for less than `STOOD_S`."""

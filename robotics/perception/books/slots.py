@@ -50,7 +50,7 @@ class Alike(NamedTuple):
 
     @property
     def deep(self) -> bool:
-        """True if the surface seen in the piece can't be in the plane of the shelf's front, but is
+        """True if the surface seen in this piece of the shelf's front can't be in the front's plane, but is
         behind it.
         """
         return self.apart > _NOISE + _LEAST and self.apart - _NOISE > _SHARE * self.shows

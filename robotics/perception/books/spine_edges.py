@@ -39,7 +39,7 @@ class Strips(NamedTuple):
     sign: int
 
     def mirrored(self) -> Strips:
-        """Return the strips mirrored, with columns from right to left."""
+        """Return the strips of the picture mirrored, so that their columns run from right to left."""
         last = self.left + self.sign * (self.grey.shape[1] - 1) * self.m_per_px
         return Strips(self.grey[:, ::-1], self.z, last, self.m_per_px, -self.sign)
 

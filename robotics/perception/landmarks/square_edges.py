@@ -23,9 +23,8 @@ _HUBER = 0.15  # [px]
 class SquareEdges(NamedTuple):
     """Corners of a square that was fitted to an image.
 
-    The corners (4, 2) are given as rays (x/z, y/z), in the order of the approximate
-    corners from which the fit began. `rms`, in [px], is the root
-    mean square error of the fitted edges.
+    The corners (4, 2) are given as rays (x/z, y/z), in the order of the guessed corners from which the fit
+    started. `rms`, in [px], is the root mean square error of the fitted edges.
     """
 
     rays: FloatArray

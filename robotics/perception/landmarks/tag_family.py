@@ -57,7 +57,7 @@ def dictionary(family: TagFamily) -> cv2.aruco.Dictionary:
 
 
 def corrected_bits(family: TagFamily) -> int:
-    """Return how many wrongly read bits of a tag are corrected in a family.
+    """Return how many wrongly read bits can be corrected in each tag of a family.
 
     It is 1 if all codes of the family differ enough from each other, otherwise 0.
     """
