@@ -113,7 +113,8 @@ class Backend(ABC):
 
     @classmethod
     def build_in_window(cls, robot: RobotFile, world: Path | None, seed: int) -> Backend:
-        """Build as `build` does, and show robot and world in a window.
+        """Build the backend of a robot in a world, with simulated errors drawn from `seed`, and show both in
+        a window.
 
         Raises:
             NoWindow: the backend has no window, or no display is available.

@@ -39,7 +39,7 @@ class BrokenPlugin(InputError):
 
 
 def paths_of(group: str, own: Mapping[str, str]) -> dict[str, str]:
-    """Return the import path of each name in an entry-point group, and of each shipped name.
+    """Return import paths by name: those of an entry-point group of installed packages, and the shipped ones.
 
     Args:
         group: name of the entry-point group.
@@ -98,7 +98,7 @@ def import_plugin(path: str, what: str) -> Any:
 
 
 def error_words(error: BaseException) -> str:
-    """Return the error of importing a package, in one line."""
+    """Return an error that was raised while a package was imported, as one line of text."""
     if isinstance(error, SystemExit):
         return f"it ends the process when it is imported (SystemExit: {error.code})"
     return f"{type(error).__name__}: {error}".split("\n")[0]

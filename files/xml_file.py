@@ -48,7 +48,7 @@ def read_xml_text(path: Path | str, check: Check | None = None, max_bytes: int =
 
 
 def checked_xml(content: bytes, file: str, check: Check | None = None) -> str:
-    """Return the content of an XML file as text, after the same checks as in `read_xml_text`.
+    """Return the content of an XML file as text, after checks of its syntax, number of elements and depth.
 
     Args:
         content: bytes of the file, which may begin with a byte order mark.

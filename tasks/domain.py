@@ -31,7 +31,7 @@ class BrokenDomain(InputError):
 
 
 class Knowledge(NamedTuple):
-    """Declaration of a domain's knowledge, with the class that contains it and the keys of its files in task
+    """Declaration of a domain's knowledge (world model section), with its class and its keys in task
     files.
     """
 

@@ -233,7 +233,9 @@ class CanBackend(Backend):
             self.axes.sync()
 
     def stop(self) -> None:
-        """Stop all motion; arm and gripper hold. Raise `BusFault` if the interface fails."""
+        """Stop all motion; arm and gripper hold their positions. Raise `BusFault` if the CAN interface
+        fails.
+        """
         self.epoch += 1
         if self._fault is not None or not self._enabled or self._closed:
             self._parts.halt()

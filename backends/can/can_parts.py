@@ -87,7 +87,7 @@ class CanParts:
             self.gripper.holds(commanded)
 
     def pass_on(self) -> None:
-        """Hand the period's commands to the drives."""
+        """Pass the commands of this control period for base, arm and gripper on to their drives."""
         self.base.pass_on()
         for item in (self.arm, self.gripper):
             if item is not None:

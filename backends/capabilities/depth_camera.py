@@ -47,7 +47,7 @@ class DepthCamera(Capability):
 
     @abstractmethod
     def image(self) -> DepthImage:
-        """Return this period's picture."""
+        """Return the camera's picture of this period, with colours and depths."""
 
     @property
     @abstractmethod

@@ -84,7 +84,7 @@ class RosLensSpec(RosTopicSpec):
 
 
 class RosCameraSpec(RosLensSpec):
-    """ROS topic of a grey or colour camera's pictures."""
+    """Description, in a robot's file, of the ROS topics of a grey or colour camera."""
 
     topic: Topic = "camera/image_raw"
     stale_ms: StaleTime = 1000.0

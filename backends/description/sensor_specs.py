@@ -47,7 +47,9 @@ class OdometrySpec(FileModel):
 
     @property
     def sideways_errors(self) -> SidewaysErrors:
-        """Sigmas of the errors of sideways travel, with scale and slip as ratios and turn in [rad/m]."""
+        """Sigmas of the errors of sideways travel: scale and slip as ratios of the travel, turn of the base
+        in [rad/m].
+        """
         return SidewaysErrors(
             self.sideways_percent / 100,
             math.radians(self.sideways_turn_deg_per_m),

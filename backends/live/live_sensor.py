@@ -51,12 +51,12 @@ class LiveSensor(ABC):
 
     @property
     def age(self) -> float | None:
-        """Age of the last good reading at the start of this period, in [s]; None before the first."""
+        """Age of the last plausible reading at the start of this period, in [s]; None before the first."""
         return None if self._came is None else self._now - self._came
 
     @property
     def is_fresh(self) -> bool:
-        """True if the last good reading is not older than allowed."""
+        """True if the sensor's last plausible reading is not older than allowed."""
         age = self.age
         return age is not None and age <= self._stale
 

@@ -29,7 +29,7 @@ _FOCAL = 1000.0  # [px]
 
 
 class MujocoBackend(PhysicsBackend):
-    """Backend with the physics of MuJoCo; see `PhysicsBackend`.
+    """Simulated backend whose robot and world move by the physics of MuJoCo.
 
     A resumed run continues exactly like one that was not stopped, to the last bit.
 

@@ -14,7 +14,7 @@ from .bullet_engine import BulletEngine
 
 
 class BulletJoints(JointGroup):
-    """Joints of a robot that are moved by Bullet's motors; see `JointGroup`.
+    """Joints of a simulated robot in PyBullet that are moved by Bullet's motors.
 
     A motor of Bullet is a constraint on the joint's velocity with a limited impulse.
     """

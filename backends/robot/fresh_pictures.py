@@ -16,7 +16,7 @@ STALE_PICTURE_MOTION = 1e-3  # [m], [rad] of motion in which a picture can't sta
 
 
 class Photo(NamedTuple):
-    """A picture, with the camera and its pose at the instant when it was taken."""
+    """A picture with the camera model and the camera's pose at the instant when the picture was taken."""
 
     pixels: ByteArray
     """Picture (height, width), grey, 0 to 255."""

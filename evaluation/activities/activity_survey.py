@@ -63,7 +63,10 @@ class ActivitySurvey(Survey):
         return wrong
 
     def misplaced(self) -> Iterator[str]:
-        """Yield a message for each moved thing that is not on a surface that the task names for it."""
+        """Yield a message for each thing of the activity that is not where the activity's goal wants it.
+
+        This is on one of given surfaces, or next to another thing.
+        """
         file = _file(self.run)
         things = {item.name: item for item in self.run.world.things()}
         for name, surfaces in (file.goal if file else {}).items():

@@ -35,7 +35,9 @@ class GoalOption:
         """Conditions that can't be reached by moves of single things."""
 
     def add(self, literal: Literal) -> None:
-        """Add a goal condition; add a finding to `wrong` if moving things one by one cannot fulfil it."""
+        """Add a condition to this goal; if moving things one by one cannot fulfil it, add a finding to
+        `wrong` instead.
+        """
         if is_support(self._definition, literal):
             if self._supports.get(literal[1], literal[2]) != literal[2]:
                 self._report(literal, f"{literal[1]} is furniture, which isn't carried")

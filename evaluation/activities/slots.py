@@ -33,7 +33,10 @@ class ThingSlot(NamedTuple):
 
 
 class FoundSlots(NamedTuple):
-    """Poses found for things on a piece of furniture, and findings if its surfaces are too small."""
+    """Poses computed for the things that an activity puts on a piece of furniture.
+
+    It has findings for the user if the surfaces are too small.
+    """
 
     slots: dict[ThingRelation, ThingSlot]
     findings: list[Finding]

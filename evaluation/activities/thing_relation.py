@@ -47,7 +47,9 @@ def is_floor(term: str) -> bool:
 
 
 def is_support(definition: Definition, literal: Literal) -> bool:
-    """Return whether a literal states that a piece of furniture is on a floor, or on another piece."""
+    """Return whether a condition (literal) of an activity states that furniture is on a floor or other
+    furniture.
+    """
     predicate, *terms = literal
     if predicate != "ontop" or len(terms) != 2:
         return False

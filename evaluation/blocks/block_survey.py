@@ -135,7 +135,9 @@ class BlockSurvey(Survey):
         return found
 
     def figures(self) -> dict[str, Any]:
-        """Return the errors of the placed blocks by name; empty if no block is to be stacked."""
+        """Return metrics of the placed blocks' position errors, by name with unit; empty if no block is to be
+        stacked.
+        """
         if self.plan is None:
             return {}
         errors = self.errors()

@@ -34,8 +34,8 @@ def block_facts(task: Task) -> dict[str, Any]:
     At a stop, the base is located by a landmark.
 
     Returns:
-        A text for each stop, by `stop NAME`; empty for a task that handles no blocks. If the robot cannot
-            handle blocks at all, only the key `stops` with the reason.
+        A text for each stop, with keys such as `stop NAME`; empty for a task that handles no blocks. If the
+            robot cannot handle blocks at all, only the key `stops` with the reason.
     """
     blocks = task.knowledge.sections.get("blocks")
     plan = blocks.building if isinstance(blocks, Blocks) else None

@@ -82,7 +82,10 @@ class WallPlan(NamedTuple):
 
     @property
     def trips(self) -> list[Trip]:
-        """Trips from one stop to another, each with at most as many blocks as the robot can carry."""
+        """Trips of the robot, each from a stop where it fetches blocks to a stop where it lays them.
+
+        A trip has at most as many blocks as the robot can carry.
+        """
         found = []
         numbers = range(1, len(self.blocks) + 1)
         for (fetched, laid), group in groupby(

@@ -36,7 +36,7 @@ class GeneratedBook:
 
 @dataclass(frozen=True)
 class ShelfRow:
-    """Content of one shelf, from left to right: books, and gaps as their width in [mm]."""
+    """Content of one shelf of a generated library, with books and gaps from left to right."""
 
     shelf: str
     standing: tuple[GeneratedBook | float, ...]

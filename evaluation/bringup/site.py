@@ -74,7 +74,7 @@ class RobotSite(ABC):
     def number(self, key: str, question: str, truth: float) -> float:
         """Ask for a measured value, in the unit of the question; on a bench the answer is `truth`.
 
-        The answer is also kept in `answers` under `key`.
+        The answer is also stored in `answers` under `key`, for the step's record.
         """
         said = self.answers[key] = self.operator.number(key, question, lambda: truth)
         return said

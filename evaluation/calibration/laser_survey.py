@@ -39,7 +39,8 @@ _FACING = np.array([[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 
 
 
 class LaserSurvey:
-    """Simulated person who reads two laser spots, ahead and to the left of the base, when the arm rests.
+    """Simulated person who reads two laser spots, ahead and to the left of the base, whenever the arm is at
+    rest.
 
     The person also counts the arm's swings from side to side.
     """

@@ -126,7 +126,9 @@ def _quiet() -> Iterator[None]:
 
 @dataclass
 class SubmittedTrial:
-    """Trial that was submitted to the scheduler, with time of submission and pending results."""
+    """Trial of a campaign that was submitted to a Dask scheduler, with submission time and awaited
+    results.
+    """
 
     since: float
     futures: list[Future[bytes]] = field(default_factory=list)

@@ -41,7 +41,9 @@ class Laying(Protocol):
     station: TotalStation | None
 
     def placements(self) -> list[Placement]:
-        """Return target, estimated, measured and true position of each released sensor."""
+        """Return the wanted (target), estimated, measured and true position of each sensor that the robot
+        released.
+        """
         ...
 
 

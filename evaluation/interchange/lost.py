@@ -8,7 +8,9 @@ from handcart.files.errors import Finding
 
 
 class LostConstruct(NamedTuple):
-    """Construct of an imported file that a task cannot express, or only with another meaning."""
+    """Element of an imported file (such as a state machine) that a task cannot express with the same
+    meaning.
+    """
 
     line: int
     """Its line in the file, from 1; 0 for objects in memory."""

@@ -53,7 +53,7 @@ class DoAction(behaviour.Behaviour):
         self.number, self.row, self.memory, self._carry = number, dict(row), memory, carry
 
     def update(self) -> common.Status:
-        """Execute the action if it starts in the present situation and has attempts left."""
+        """Execute this leaf's action if it starts in the task's present situation and has attempts left."""
         memory, row, most = self.memory, self.row, most_attempts(self.row)
         is_out = most is not None and memory.fails.get(self.number, 0) >= most
         if memory.situation != row["from"] or is_out:

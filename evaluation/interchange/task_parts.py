@@ -127,7 +127,9 @@ def failures(row: Row) -> list[tuple[str, str, Any]]:
 
 
 def further_keys(row: Row) -> dict[str, Any]:
-    """Return the keys of a task's action, such as its cost, for which other formats have no element."""
+    """Return those keys of a task's action, with their values, for which other formats have no element, such
+    as cost.
+    """
     return {key: value for key, value in row.items() if key not in FLOW_KEYS}
 
 

@@ -23,7 +23,9 @@ NOTES_FILE = "judged.jsonl"
 
 
 class Judge(RunObserver):
-    """Observer that compares the outcomes of a run with the ground truth, by all surveys that apply."""
+    """Observer that compares the outcomes of a run with the ground truth, by all surveys (evaluations) that
+    fit it.
+    """
 
     def __init__(self, prepared: Prepared, folder: Path | None = None) -> None:
         """Prepare to judge a run that is about to start or continue.

@@ -50,7 +50,7 @@ class SurveyNotes:
         return kept
 
     def checked(self, note: object, kind: type[T]) -> T:
-        """Return a noted observation as a value of type `kind`.
+        """Return an observation that a survey noted in the file, converted to the type `kind`.
 
         Raises:
             NotAState: the observation is not of this type.

@@ -20,7 +20,9 @@ from .object_effects import OBJECT_EFFECTS, SPOT_MM, sighting_errors, thing_of, 
 
 
 class ObjectSurvey(FiguresSurvey):
-    """Evaluation of object tasks by the errors of sightings and placed objects, and by fallen objects."""
+    """Evaluation of tasks that move objects, by errors of sighted and placed poses and by objects that fell
+    down.
+    """
 
     name = "objects"
     effects = OBJECT_EFFECTS

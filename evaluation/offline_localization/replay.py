@@ -52,7 +52,10 @@ class ReplayedFix(NamedTuple):
 
 
 class Replayed(NamedTuple):
-    """Result of running a localizer on a log, with estimated poses, reference poses and fixes."""
+    """Result of running a localizer on a log of recorded sensor readings.
+
+    It has the estimated poses, and the log's reference poses and fixes.
+    """
 
     times: FloatArray
     """(k,) in [s]."""

@@ -38,7 +38,9 @@ class MeshRow:
 
 
 def mesh_row(use: MeshUse) -> MeshRow:
-    """Check that a mesh exists and, for a collision mesh, how much of its convex hull it fills."""
+    """Return whether a mesh file exists and, for a collision mesh, which share of its convex hull it
+    fills.
+    """
     path, name = Path(use.file), Path(use.file).name
     if not path.is_file():
         meant = did_you_mean(path).rstrip(" ")

@@ -47,7 +47,10 @@ class HandAim(NamedTuple):
 
 
 class PostureSearch(NamedTuple):
-    """Result of a search for a posture of the arm, with the pairs of links that touch in found postures."""
+    """Result of a search for an arm posture without collision at a wanted pose of the hand.
+
+    If links touch in postures with that hand pose, the result names them.
+    """
 
     angles: list[float] | None
     """Joint positions in [deg], or [mm] for prismatic joints; None: no collision-free posture was found."""

@@ -41,7 +41,10 @@ class SelfContact:
 
     @property
     def pairs(self) -> list[str]:
-        """Text for each pair that touches, with its share of the postures; the most frequent first."""
+        """Text for each pair of links that touch, with the share of random postures in which they do.
+
+        Pairs that touch in every posture come first, then the others.
+        """
         always = zip(self.always, self.always_shares, strict=True)
         return [touching_words(pair, share) for pair, share in (*always, *self.often)]
 

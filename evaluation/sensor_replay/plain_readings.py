@@ -35,7 +35,8 @@ def plain(value: Any) -> Any:
 
 
 def typed(data: Any, kind: Any) -> Any:
-    """Convert data from `plain` back to a value of a type; raises `TypeError` for data of another type.
+    """Convert plain data of a recording back to a value of its original type; raise `TypeError` for wrong
+    data.
 
     Args:
         data: result of `plain`.

@@ -52,7 +52,7 @@ class SensorReplay:
 
 
 def replay_sensors(run: PastRun) -> SensorReplay:
-    """Run today's program on the recorded readings of a run.
+    """Run the installed program again on the recorded sensor readings of a run, and compare both runs.
 
     Raises:
         NoRecording: the run has no recorded readings.

@@ -56,7 +56,7 @@ class RigFiles:
 
     @classmethod
     def of(cls, task: Task) -> RigFiles:
-        """Return the files that a task names.
+        """Return the paths of the world, of the map and of other files that a task names for a simulated run.
 
         Raises:
             InputError: the task has no world.

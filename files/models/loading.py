@@ -130,7 +130,9 @@ def _adapter(model: Any) -> TypeAdapter[Any]:
 
 
 def collect(findings: Findings, document: Document, path: KeyPath, model: Any, context: object = None) -> Any:
-    """Return a part of a document as a value of type `model`; add all its errors to `findings`.
+    """Validate the part of a document at `path`, and return it as a value of type `model`.
+
+    All errors of the part are added to `findings`.
 
     The result is None after an error.
     """

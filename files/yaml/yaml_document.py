@@ -87,7 +87,8 @@ class Document:
     def is_set(self, path: KeyPath) -> bool:
         """Return whether the value at `path` was set on the command line.
 
-        A relative path that was set there starts from the current folder, not from the file's.
+        A relative path set on the command line starts from the current folder, not from the folder of the
+        file.
         """
         return self.root.deepest(path)[0].line == 0
 

@@ -51,7 +51,10 @@ class ActionTable(FileModel):
 
 
 def table_errors(loaded: Loaded[ActionTable]) -> list[Finding]:
-    """Return the errors of a table: references to missing rows, and Fails that change physical facts."""
+    """Return the errors of an action table (numbered rows, each with the rows after Success and after Fail).
+
+    Errors are references to missing rows, and Fails that change physical facts.
+    """
     table = loaded.value
     findings = []
     for number, row in table.rows.items():

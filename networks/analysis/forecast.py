@@ -109,8 +109,9 @@ class Forecaster:
         """Return the forecast of the network, optionally with some of its actions changed.
 
         Args:
-            change: function that changes actions of a stage; None: the network as it is.
-            numbers: numbers in the network of the actions to change.
+            change: function that changes actions of a stage (consecutive part of the network); None: no
+                change.
+            numbers: numbers, in the network, of the actions to change.
             effort: budget of the changed stages; None: that of the forecaster.
 
         Raises:

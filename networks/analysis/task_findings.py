@@ -79,8 +79,8 @@ def unused_findings(task: Task, cases: WorstCases, best: Collection[int] | None 
 
     Only actions from which the goal can be reached are considered.
 
-    Exempt are actions on routes to situations of `otherwise`, which a run pursues if no route to the goal
-    is left.
+    Actions on routes to situations listed as `otherwise` are not reported, because a run pursues these
+    situations if no route to the goal is left.
 
     Args:
         task: the task.

@@ -46,7 +46,9 @@ class ChainLinks(NamedTuple):
 
 
 class ChainEnds(NamedTuple):
-    """Transitions from rows of a chain to ends of a run, as columns (n,)."""
+    """Transitions from states (rows) of a Markov chain to ends of a run, such as the goal, as columns
+    (n,).
+    """
 
     row: IntArray
     end: IntArray

@@ -88,7 +88,8 @@ class RuleFlow:
         self._waiting: dict[int, FlowStates] = {}
 
     def result(self, start: State, max_open: float = MAX_OPEN) -> FlowResult:
-        """Return the ends of all runs from a state, followed until few are unfinished or the budget is spent.
+        """Return how all runs from a state may end, with probabilities, by following them until few are
+        unfinished or the budget of computation is spent.
 
         Args:
             start: the state.

@@ -141,7 +141,7 @@ class Aftermath:
         """
 
     def matters(self, situation: str, counter: int) -> bool:
-        """Return whether runs from a situation can still start an action of a given counter of Fails.
+        """Return whether runs from a situation can still start an action whose Fails a given counter counts.
 
         Args:
             situation: name of the situation.
@@ -212,7 +212,9 @@ class Aftermath:
         return [self._after(action, to or action.source, after) for to in every]
 
     def at(self, situation: str, fails: Mapping[int, int]) -> State:
-        """Return the state in a situation, with the Fails of actions that a run can still start from there.
+        """Return the state for planning in a situation, which is the situation and counts of Fails.
+
+        Only Fails of actions that a run can still start from there are kept, because others cannot matter.
 
         Args:
             situation: the situation.

@@ -78,7 +78,10 @@ class AimWatch:
 
     @property
     def left_s(self) -> float | None:
-        """Time until the time-out of the present round, in [s] of the robot's time; None without time-out."""
+        """Time left until the time-out of the present round of a repeated task, in [s] of the robot's time.
+
+        None if the task has no time-out.
+        """
         limit = self._aims.time_out_s
         if self._round_due is not None:
             return limit

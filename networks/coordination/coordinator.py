@@ -90,7 +90,8 @@ class Coordinator:
 
         Args:
             what: the request.
-            number: number of the action that is meant, as in `ask`.
+            number: number of the action that is meant; None: the run, or for a restore the action that runs
+                now.
         """
         return not self.ask(what, number)
 
@@ -127,7 +128,9 @@ class Coordinator:
 
     @property
     def planner(self) -> Planner:
-        """Planner with the Fails of each action and the excluded actions."""
+        """Planner of the run's routes, which also counts the Fails of each action and knows the excluded
+        actions.
+        """
         return self._route.planner
 
     @property
@@ -354,7 +357,7 @@ class Coordinator:
         self._log.restoring(action, reason)
 
     def broken_off(self, reason: str, outcome: RunOutcome = "Error") -> RunEnd:
-        """Write the end of a run that a fault broke off to the journal, and return it.
+        """Write to the journal that a fault has broken off the run, and return this end of the run.
 
         The robot must have been stopped before. `outcome` is Error for a fault of the program or of the
         journal, and GiveUp for a fault of the robot.

@@ -67,7 +67,7 @@ class RunLife:
         self._go("_plan", RunState.PLANNING)
 
     def ask(self) -> None:
-        """Enter the state of waiting for a person's permission."""
+        """Enter the state in which the run waits for a person's permission to start an action."""
         self._go("_ask", RunState.WAITING_FOR_PERMISSION)
 
     def act(self) -> None:

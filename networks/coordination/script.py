@@ -50,7 +50,9 @@ class Imagined:
     """Description of each action, one line each."""
 
     def summary(self) -> dict[str, Any]:
-        """Return the result as fields that can be written as JSON."""
+        """Return the result of an imagined run (outcomes given by a script) as fields that can be written as
+        JSON.
+        """
         return {
             "outcome": self.outcome,
             "situation": self.situation,

@@ -73,9 +73,9 @@ class Beliefs:
 
     @property
     def changed(self) -> tuple[tuple[int, float, float], ...]:
-        """Actions whose belief differs from the prior, by number in the file, with both weights.
+        """Actions whose outcome probabilities were updated in this run.
 
-        These are the weights of Success and Fail.
+        Each has its number in the file, and the weights of Success and of Fail in the belief about it.
         """
         return tuple((entry, *self.weights(entry)[:2]) for entry in sorted(self._seen))
 

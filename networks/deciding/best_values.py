@@ -67,7 +67,10 @@ class BestValues:
         self._is_spent = False
 
     def decision(self, state: State) -> Decision:
-        """Return the best decision in a state; search for it as long as the budget allows."""
+        """Return the best decision (action to start, or calling a person) in a state.
+
+        The decision is searched for as long as the budget allows.
+        """
         if self._is_spent and state not in self._settled:
             self._effort = Effort(LATER_STEPS)
         for number in range(len(VALUE_GAPS)):

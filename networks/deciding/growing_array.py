@@ -22,7 +22,9 @@ class GrowingArray(Generic[Scalar]):
 
     @property
     def all(self) -> NDArray[Scalar]:
-        """All rows (n, ...), as a view that is valid until the next `extend`."""
+        """Array (n, ...) of all rows appended so far, as a view that is valid until the next call of
+        `extend`.
+        """
         return self._buffer[: self._size]
 
     def extend(self, rows: NDArray[Scalar]) -> None:

@@ -69,8 +69,8 @@ class Process:
     def stop_price(self, situation: str) -> float:
         """Return the price of a run that ends in a situation short of the goal, in [s].
 
-        It is the price of calling a person, times the number of elements of repeats that are then left
-        undone, at least 1.
+        It is the price of calling a person. If the run was in a part of the task that is repeated for the
+        elements of a list, this price is multiplied by the number of elements left undone.
         """
         return self.person_s * self._undone[self.part[situation]]
 

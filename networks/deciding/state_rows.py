@@ -21,7 +21,9 @@ _Ending = tuple[float, int, bool]
 
 
 class Following(NamedTuple):
-    """Actions (options) that can be started in given states, with transitions to the states that follow."""
+    """Actions (options) that can be started in given states of a network, and transitions to their successor
+    states.
+    """
 
     state: IntArray
     """(options,) number of the state in which each option can be started, ascending."""

@@ -79,7 +79,7 @@ class StateTable:
 
     @property
     def stop(self) -> FloatArray:
-        """(states,) price of calling a person, in [s]."""
+        """Price of calling a person in each state, (states,) in [s]."""
         return self._stop.all
 
     @property

@@ -17,7 +17,9 @@ MAX_LINE_CHARS = 40
 
 @dataclass(frozen=True)
 class Spot:
-    """Drawn situation, which stands for one situation of the network, or for all its copies by a `repeat`."""
+    """Situation in a drawing of a network; it stands for one situation, or for all copies made of it by
+    `repeat`.
+    """
 
     name: str
     """Name as written in the file."""
@@ -30,7 +32,9 @@ class Spot:
 
 @dataclass(frozen=True)
 class FoldedAction:
-    """Drawn action, which stands for one action of the network, or for all its copies by a `repeat`."""
+    """Action in a drawing of a network; it stands for one action, or for all copies made of it by
+    `repeat`.
+    """
 
     source: Spot
     target: Spot
@@ -60,7 +64,7 @@ class RepeatedPart:
 
 @dataclass(frozen=True)
 class FoldedNetwork:
-    """A network prepared for drawing, with the copies of repeated parts folded into one."""
+    """A network prepared for drawing, in which the copies of a repeated part are drawn as one."""
 
     spots: tuple[Spot, ...]
     ways: tuple[FoldedAction, ...]

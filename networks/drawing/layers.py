@@ -18,7 +18,7 @@ Key = Hashable
 
 
 class Size(NamedTuple):
-    """Size of a box, in [px]."""
+    """Size of a box in a drawing of a network, in [px], and the height at which links enter it."""
 
     width: float
     height: float
@@ -27,7 +27,7 @@ class Size(NamedTuple):
 
 
 class LayerEdge(NamedTuple):
-    """A link from the right edge of one box to the left edge of another."""
+    """Link in a drawing of a network, from the right edge of one box to the left edge of another."""
 
     source: Key
     target: Key
@@ -36,7 +36,7 @@ class LayerEdge(NamedTuple):
 
 
 class Point(NamedTuple):
-    """A point on the paper, in [px]; y points down."""
+    """A point in a drawing, in [px] from its upper left corner; y points down."""
 
     x: float
     y: float

@@ -10,7 +10,7 @@ HIGHLIGHT_COLOUR = "#ffd84d"
 
 
 class BoxStyle(NamedTuple):
-    """Colours and lines of a drawn situation's box."""
+    """Colours and lines of the box that stands for a situation in a drawing of a network."""
 
     fill: str
     colour: str

@@ -65,7 +65,9 @@ class ActionEntry(TaskEntry):
 
     @property
     def on_fail(self) -> str | None:
-        """Situation that a Fail leads to if its cause has no entry; None if the situation does not change."""
+        """Situation to which a Fail leads if its cause is not named in the file; None if the situation does
+        not change.
+        """
         if isinstance(self.fails, str):
             return self.fails
         named = self._by_cause.get(OTHER_CAUSES)

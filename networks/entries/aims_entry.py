@@ -106,7 +106,10 @@ class InterruptEntry(FileModel):
 
 
 class SituationInterrupt(InterruptEntry):
-    """An interrupt of a task file that lists situations; the interrupt's goal is one of these situations."""
+    """Interrupt (goal pursued before the task's goal, such as charging) in a task file that lists situations.
+
+    The interrupt's goal is one of these situations.
+    """
 
     goal: str
     """Situation to be reached first; from there the run continues to the task's goal."""

@@ -19,7 +19,7 @@ Conditions = dict[str, Fact | Values]
 
 
 class ConditionEnding(EndingChance):
-    """New values of facts by one of several kinds of Success, with the probability of this kind."""
+    """One of several possible effects of a successful action: new values of facts, and its probability."""
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Fact] = Field(init=False)
@@ -61,7 +61,9 @@ class ConditionEntry(TaskEntry):
 
     @property
     def is_plain(self) -> bool:
-        """True if Success has one effect, whose probability is `p`."""
+        """True if a Success of the action has a single possible effect, with the probability `p` of the
+        action.
+        """
         return isinstance(self.then, dict)
 
     @cached_property
@@ -90,7 +92,9 @@ class ConditionEntry(TaskEntry):
 
     @property
     def fail_entries(self) -> dict[str, ConditionFail]:
-        """Facts that the robot knows after a Fail, for each cause that `on_fail` names."""
+        """Facts that the robot knows after a Fail of the action, by cause, for each cause under the key
+        `on_fail`.
+        """
         return {cause: fail for cause, fail in self.fails.items() if cause != OTHER_CAUSES}
 
     @property

@@ -48,7 +48,7 @@ class ConditionReader:
         self._otherwise: list[Conditions] = otherwise if isinstance(otherwise, list) else [otherwise]
 
     def generated(self, entries: Mapping[int, ConditionEntry], findings: Findings) -> Generated | None:
-        """Return the network generated from the file's actions.
+        """Return the network generated from the conditions and effects of the file's actions.
 
         Args:
             entries: actions of the file, by number.

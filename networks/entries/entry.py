@@ -45,7 +45,7 @@ class EndingChance(FileModel):
 
 
 class FailChance(FileModel):
-    """Keys for a Fail of one cause, with its probability."""
+    """Entry of a task file for Fails of an action by one cause, with their probability."""
 
     p: Probability | None = None
     """Probability that an attempt fails so."""

@@ -44,5 +44,9 @@ class Ahead:
         return self._bit[situation]
 
     def bits(self, situation: str) -> int:
-        """Return an integer with the bits of all situations reachable from `situation`, itself included."""
+        """Return an integer as a set of situations: a bit is 1 if its situation can be reached from
+        `situation`.
+
+        The bit of `situation` itself is 1, too.
+        """
         return self._reached[situation]

@@ -28,7 +28,7 @@ class Rounds:
 
 @dataclass(frozen=True)
 class Interrupt:
-    """A goal that comes before the task's goal when a condition holds."""
+    """A goal that a run pursues before the task's goal whenever a condition holds, such as a low battery."""
 
     name: str
     goals: tuple[str, ...]

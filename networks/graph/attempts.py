@@ -24,7 +24,10 @@ class Attempts(NamedTuple):
 
     @property
     def width(self) -> int:
-        """Amount by which each renewal raises a run's count, one more than the largest number of Fails."""
+        """Amount by which a renewal of an action's attempts raises the run's count of its Fails and renewals.
+
+        It is one more than the largest number of Fails, so that one number holds both counts.
+        """
         return self.most + 1
 
     @property
@@ -48,7 +51,9 @@ class Attempts(NamedTuple):
         return count % self.width >= self.most
 
     def failed(self, count: int) -> int:
-        """Return a run's count (of Fails and renewals) after one more Fail."""
+        """Return the count that a run keeps for an action, of Fails and of renewals of attempts, after one
+        more Fail.
+        """
         fails = count % self.width
         last = MAX_ATTEMPTS if self.unlimited else self.limit
         return count + 1 if fails < last else count

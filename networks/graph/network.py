@@ -205,7 +205,7 @@ class Action:
         return found
 
     def target_of(self, result: str) -> str:
-        """Return the situation after a Success with a given result; `target` if the result is unknown."""
+        """Return the situation after a Success with the effect `result`; `target` if no effect has it."""
         found = (other.target for other in self.others if other.result == result)
         return next(found, self.target) if self.others else self.target
 

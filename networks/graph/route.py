@@ -127,7 +127,7 @@ class RunDecisions:
         return self.lost or plan
 
     def abandon(self, reason: str) -> None:
-        """Abandon the goal, and pursue the situations of the network's `otherwise` instead.
+        """Abandon the goal, and pursue instead the situations that the network lists as `otherwise`.
 
         Args:
             reason: reason in words.
@@ -178,7 +178,7 @@ class RunDecisions:
 
     @property
     def next(self) -> Action:
-        """Next action of the plan; only valid while `planned` is True."""
+        """Next action of the planned route; only valid while the route has actions left (`planned`)."""
         return self._ahead[-1]
 
     def took(self, outcome: Outcome | NotStarted) -> None:

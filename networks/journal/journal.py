@@ -260,7 +260,9 @@ def _lock(file: int, folder: Path, kind: int = fcntl.LOCK_EX) -> None:
 
 
 def plain_json(value: Any) -> Any:
-    """Return a record's fields as they are when read back: strings, numbers, lists and mappings."""
+    """Convert the fields of a journal's record to the plain values that reading the record's JSON would
+    give.
+    """
     return orjson.loads(orjson.dumps(value, default=_plain, option=_OPTIONS))
 
 

@@ -128,7 +128,7 @@ class RunLog(Intents):
     def result(self, primitive: ActionPrimitive, outcome: Outcome, at: Snapshot | None = None) -> None:
         """Log that an action has ended, after writing a checkpoint of the run if checkpoints are kept.
 
-        Observers are notified later, by `result_kept`.
+        Observers are not notified by this method, but later by `result_kept`.
 
         Args:
             primitive: primitive of the action, with its evidence.
@@ -187,7 +187,9 @@ class RunLog(Intents):
         self._tell(lambda: LeftOut(self._robot.time, action, reason))
 
     def not_started(self, action: Action, reason: str) -> NotStarted:
-        """Log that an action could not be started, and return this as the action's result."""
+        """Log that an action could not be started, and return a `NotStarted` with the reason as the action's
+        result.
+        """
         self.open = False
         self._write("NOT_STARTED", records.NotStartedRecord(action=action.index, reason=reason))
         self._tell(lambda: LeftOut(self._robot.time, action, reason))

@@ -38,7 +38,9 @@ class ControlLine:
 
     @property
     def interest(self) -> int:
-        """Selector events to wait for: writable while an answer waits, otherwise readable."""
+        """Event of the connection's socket to wait for: writable while an answer is to be sent, otherwise
+        readable.
+        """
         return selectors.EVENT_WRITE if self._goes else selectors.EVENT_READ
 
     def exchange(self, now: float) -> None:

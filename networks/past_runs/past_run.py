@@ -52,7 +52,9 @@ class PastAction:
 
     @property
     def cause(self) -> str:
-        """Kind of cause of a Fail or GiveUp; empty in old journals, which have none."""
+        """Kind of cause of the action's Fail or GiveUp; empty in journals of older versions, which do not
+        record causes.
+        """
         found = self.result.get("cause") or [{}]
         return str(found[0].get("kind", ""))
 

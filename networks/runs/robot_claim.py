@@ -21,7 +21,7 @@ _FLAGS = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
 
 
 class RobotBusy(InputError):
-    """Error, because another process has claimed the robot."""
+    """Error, because another process has reserved the robot for its own run."""
 
 
 class NoClaimFolder(InputError):

@@ -88,10 +88,12 @@ def entry_faults(
 
 
 def limit_faults(entry: TaskEntry, budgets: Sequence[str], done: Collection[str]) -> Faults:
-    """Yield the faults of an entry's attempts and probabilities, with key paths from the entry on.
+    """Yield the faults of the numbers of attempts and the probabilities of an action in a task file.
+
+    The key path of a fault begins at the action's entry in the file.
 
     Args:
-        entry: the entry.
+        entry: entry of the action in the file.
         budgets: names of the task's budgets.
         done: names of all primitives in the file.
     """

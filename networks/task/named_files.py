@@ -37,7 +37,7 @@ def resolved(document: Document, key: KeyPath) -> Path | None:
 
 
 def no_file(path: Path) -> str:
-    """Return the message that a named file is missing."""
+    """Return the message that a file, which a task names, is missing."""
     folder = printable(str(path.parent.absolute()))
     return f"missing file {path.name!r} in {folder}; allowed: a file, from the task's folder"
 

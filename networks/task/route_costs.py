@@ -26,7 +26,7 @@ from .task_knowledge import PLACES_KIND, TaskKnowledge
 
 
 class NoRouteCost(InputError):
-    """Error: the time of a route is not known before the run; the message says why."""
+    """Error: the driving time between two places cannot be computed before the run; the message says why."""
 
 
 class RouteTimes:

@@ -95,7 +95,10 @@ class Task:
         return named_robot(self.document, self.file.robot)
 
     def check_capabilities(self, backend: Backend, model: WorldModel | None = None) -> None:
-        """Check that a robot can do all actions, by its backend; raise `FileError` with all it cannot do."""
+        """Check that a robot can do all actions of the task, by the capabilities that its backend has.
+
+        Raise `FileError` with all findings on actions that the robot cannot do.
+        """
         self.check_kinds(usable_kinds(backend.capabilities()), model)
 
     def check_kinds(self, kinds: Sequence[type[Capability]], model: WorldModel | None = None) -> None:

@@ -53,7 +53,7 @@ class Fixed(NamedTuple):
 
 
 class Placed(NamedTuple):
-    """A block that was placed at its goal."""
+    """Record of a block that the robot has put down at its goal, with the block's pose."""
 
     number: int
     pose: Pose2
@@ -64,7 +64,9 @@ class Placed(NamedTuple):
 
 @dataclass
 class Blocks(Section):
-    """World model section for stacking blocks, with the robot's knowledge of the blocks and of its pose."""
+    """World model section for stacking blocks, with the building plan, the blocks placed so far, and the
+    base's pose by a landmark.
+    """
 
     FILES: ClassVar = {"building": Building}
     LEARNED: ClassVar = ("fixed", "placed", "taken")

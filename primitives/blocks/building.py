@@ -54,7 +54,7 @@ class Table(LevelPose):
 
 
 class Building(FileModel):
-    """Building plan: blocks, their goals, tables and landmarks."""
+    """File with a building plan: the blocks that a robot stacks, their goal poses, tables and landmarks."""
 
     format: Literal["handcart-building/1"]
     block_mm: tuple[Positive, Positive, Positive]

@@ -242,7 +242,9 @@ class LandmarkViews:
 
 
 def offsets(rings: int) -> list[tuple[float, float]]:
-    """Return x and y of further views relative to a first one, in [m], the nearest first.
+    """Return where to take further camera views in search of a landmark.
+
+    The result has x and y relative to the first view, in [m], the nearest first.
 
     Args:
         rings: number of rings of a square grid around the first view.

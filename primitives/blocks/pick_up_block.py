@@ -79,7 +79,9 @@ class PickUpBlock(ActionPrimitive):
         return name_of_block(self.number)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return a message if the block is known to be elsewhere than where `at` says; empty otherwise."""
+        """Return a message if the block was already placed at its goal or taken from the supply; empty
+        otherwise.
+        """
         blocks = model.of(Blocks)
         if any(placed.number == self.number for placed in blocks.placed):
             return f"block {self.number} is at its goal already"
@@ -199,7 +201,7 @@ class PickUpBlock(ActionPrimitive):
 
 
 def unlike_block(robot: Robot, model: ModelView) -> str:
-    """Return why the held object cannot be a block of the plan; empty if it may be a block."""
+    """Return why the held object cannot be one of the building plan's blocks; empty if it may be one."""
     plan = building(model)
     if _grips(robot, plan):
         return ""

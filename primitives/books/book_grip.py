@@ -30,7 +30,7 @@ def holds(robot: Robot, book: Book) -> bool:
 
 
 def book_in(model: ModelView) -> str:
-    """Return the name of the recognized book's object in simulated worlds; empty without such a book."""
+    """Return the name, in simulated worlds, of the book that was recognized; empty if none was."""
     book = model.of(Books).book
     return "" if book is None else name_of_book(book)
 

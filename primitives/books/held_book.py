@@ -12,7 +12,10 @@ from .book_grip import book_in, unlike_book
 
 
 class HeldBookPrimitive(TreePrimitive):
-    """Primitive that moves the recognized book by a behaviour tree; it needs this book in the hand."""
+    """Base class of primitives that move a book held in the hand by a behaviour tree.
+
+    At the start, the hand must hold the book that was recognized before.
+    """
 
     @override
     def thing(self, model: ModelView) -> str:

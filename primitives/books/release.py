@@ -85,7 +85,7 @@ class Release(HeldBookPrimitive):
     """Whether the label was read in its slot; None if it was not looked at."""
 
     def tree(self, robot: Robot, model: ModelView) -> Behaviour:
-        """Return the behaviour tree, whose steps follow each other."""
+        """Return the behaviour tree of releasing a book, a sequence of steps."""
         steps = {
             "measure the shelf": lambda: self._measure(robot, model),
             "lower the book onto the board": lambda: self._lower(robot),

@@ -114,7 +114,7 @@ def pull(
         prior: path expected before it is measured, in the base frame.
         is_there: function that returns whether the handle has moved far enough, given the measured path and
             the middle (3,) of the bar in the base frame, in [m].
-        bias: (3,) force on the empty hand, in the base frame, in [N]; see `measured_bias`.
+        bias: (3,) force measured on the empty hand before, in the base frame, in [N], which is subtracted.
     """
     moved = BaseDrift(robot)
     yield from moved.begin()

@@ -221,7 +221,9 @@ class ObstacleMonitor:
         return LikelihoodField(self._grid)
 
     def unexpected(self, robot: Robot) -> FloatArray:
-        """Return the points (n, 2) of this period's scan that the map doesn't explain, on the map, in [m]."""
+        """Return the points (n, 2) of this period's scan that hit nothing on the map, in its frame, in
+        [m].
+        """
         points = robot.pose.apply(robot.range_sensor.scan().points())
         return unexpected_points(points, self._field, MAP_MATCH_TOLERANCE_M)
 

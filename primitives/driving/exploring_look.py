@@ -80,7 +80,7 @@ class ExploringLook:
         self._postponed = list[tuple[float, float]]()
 
     def leave(self, point: tuple[float, float], reason: str) -> None:
-        """Give up exploring the border of the known ground around a point.
+        """Mark the border between known and unknown ground near a point as one not to be explored any more.
 
         Args:
             point: x and y on the map, in [m].

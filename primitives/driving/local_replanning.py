@@ -149,7 +149,10 @@ class LocalReplanning:
             raise no_way(self._name, lasting)
 
     def update(self, robot: Robot, tracker: PathTracker) -> None:
-        """Replace the route if it is blocked, or if another one is shorter; called once a period."""
+        """Plan a new route and change to it if the present route is blocked or the new one is shorter.
+
+        The method is called once a period.
+        """
         self.speed_limit = self.people.limit(robot, tracker)
         self._note_progress(robot, tracker)
         if self._job is not None:
@@ -318,7 +321,9 @@ class LocalReplanning:
         return sign
 
     def command(self, robot: Robot, tracker: PathTracker) -> tuple[float, ...]:
-        """Return the base's speed command along the route, or the command that stops it while it holds."""
+        """Return the base's speed command along the route, or a command to stop while it waits for a free
+        route.
+        """
         if self.holds:
             return tracker.hold(robot.pose, robot.period)
         return tracker.command(robot.pose, robot.period, self.speed_limit)

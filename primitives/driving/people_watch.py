@@ -114,7 +114,8 @@ class PeopleWatch:
     def limit(self, robot: Robot, tracker: PathTracker) -> float:
         """Return the speed along the tracker's route that yields to people, in [m/s]; 0 means to wait.
 
-        It is the top speed if nobody is near. `waits_since` is updated as by `note_waiting`.
+        It is the top speed if nobody is near. The method also updates `waits_since`, the time since which the
+        base waits for a person.
         """
         most, walking = robot.drive_limits.speed, self._walking
         if len(walking.radii):

@@ -37,7 +37,7 @@ FORCE_SMOOTHING_S = 0.1  # over which the force is smoothed
 
 
 class SensorArm:
-    """Motions of a SCARA arm with fingers that takes a sensor, brings it over a place, and comes back.
+    """Motions by which a SCARA arm with fingers takes a sensor, brings it over a place, and returns.
 
     Places are x and y (2,) in [m] in the arm's own frame, whose origin is on the axis of the arm's first
     joint.
@@ -59,7 +59,9 @@ class SensorArm:
         return self._robot.gripper.closed_on_something() and self._off() < WIDTH_ERROR
 
     def not_ready(self) -> str:
-        """Return why no sensor can be taken from the magazine; empty if one can be, or is held already."""
+        """Return why the hand cannot take a sensor from the magazine; empty if it can, or holds a sensor
+        already.
+        """
         if self.holds:
             return ""
         if is_holding(self._robot):

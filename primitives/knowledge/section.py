@@ -208,7 +208,10 @@ class Section:
         return ()
 
     def noted(self) -> dict[str, Any]:
-        """Return the learned knowledge, ready for JSON; the journal records its changes."""
+        """Return the entries of the section that a run learns, by name and ready for JSON.
+
+        The journal records changes of these entries.
+        """
         return {name: getattr(self, name) for name in self.LEARNED}
 
     @classmethod

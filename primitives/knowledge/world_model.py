@@ -49,7 +49,7 @@ class Declares(Protocol):
 
 
 class UnknownFact(HandcartError, LookupError):
-    """Error: the world model has no such entry, or does not know its value yet."""
+    """Error: a parameter names an entry that the model does not have, or whose value is not known yet."""
 
 
 class UndeclaredAccess(HandcartError, AttributeError):
@@ -366,7 +366,9 @@ class ModelView:
         return cast(SectionT, ModelView(model, self.__dict__["_primitive"], model.of(kind)))
 
     def companion(self, robot: Robot, place: str) -> Companion | None:
-        """Return the motion that the arm makes while the base drives to a place; None for no motion."""
+        """Return the motion that the arm makes while the base drives to a place; None if the arm does not
+        move then.
+        """
         found: Companion | None = self.__dict__["_model"].companion(robot, place)
         return found
 

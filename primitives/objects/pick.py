@@ -180,7 +180,9 @@ class Pick(ActionPrimitive):
         yield
 
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
-        """Return the allowed contacts: of the hand with the object, and of the object with its surface."""
+        """Return the allowed contacts: of the hand with the object to take, and of that object with what it
+        lies on.
+        """
         seen, surfaces = model.of(Objects).seen(self.object), model.of(Objects).objects.surfaces
         on = dict.fromkeys(item.surface for item in (seen, *self._known) if item is not None)
         own = seen or next((item for item in self._known if item.object == self.object), None)

@@ -100,7 +100,9 @@ class Residuals(Mapping[str, float]):
 
     @property
     def all(self) -> tuple[Residual, ...]:
-        """All residuals as a tuple."""
+        """All residuals (differences of measured quantities between two states) in the order in which they
+        were given.
+        """
         return tuple(self._by_label.values())
 
     def of(self, kind: ResidualKind) -> Residual | None:
@@ -130,7 +132,7 @@ class Residuals(Mapping[str, float]):
 
     @property
     def words(self) -> str:
-        """Values for people: `base_mm 312, held inf`."""
+        """Labels and values of all residuals as one text for people, such as `base_mm 312, held inf`."""
         return ", ".join(f"{label} {value:.3g}" for label, value in self.items())
 
     @property

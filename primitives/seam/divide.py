@@ -38,11 +38,12 @@ WAY_CHECK_SPACING_M = 0.2  # of a way between looks at whether it is free
 
 
 class Divide(ActionPrimitive):
-    """Divide the rest of the seam into parts, each tracked from one reachable place of the base.
+    """Divide the untracked rest of the seam into parts, each tracked from one reachable place of the base.
 
     The robot does not move; only the model changes, in which the places get the names `place_1` and so on. A
-    division is kept while the base can reach the next of its places. The rest is divided again if an obstacle
-    was sensed on the way to that place, or if the arm could not track its part of the seam from there.
+    division is kept while the base can reach the next of its places. The untracked rest is divided again if
+    an obstacle was sensed on the way to that place, or if the arm could not track its part of the seam from
+    there.
     """
 
     placements: Annotated[int, Field(ge=1, le=50)]

@@ -77,10 +77,10 @@ class DrivenBase:
         self._joints = near
 
     def ahead(self, index: int) -> FloatArray:
-        """Return the rest (k, 2) of the base's route from a point of the tool's path on, on the map, in [m].
+        """Return the points (k, 2) of the base's route that are left to drive, on the map, in [m].
 
         Args:
-            index: number of the point of the tool's path.
+            index: number of the point of the tool's path at which the tool is now.
         """
         return self._spots[max(0, index - 1) :]
 

@@ -64,7 +64,7 @@ class Pose2(NamedTuple):
         return math.hypot(self.x - other.x, self.y - other.y)
 
     def turn(self, other: Pose2) -> float:
-        """Size of the turn between the two headings, in [rad], 0 to pi."""
+        """Return the size of the turn between this pose's heading and that of `other`, in [rad], 0 to pi."""
         return abs(wrap(self.theta - other.theta))
 
     def lift(self, z: float = 0.0) -> FloatArray:

@@ -114,7 +114,7 @@ class ArmModel:
 
         Args:
             q: (n,) in [rad] or [m].
-            rounding: how far beyond a limit still counts as within, in [rad] or [m].
+            rounding: distance beyond a limit that still counts as within it, in [rad] or [m].
         """
         return bool(np.all(q >= self._lowest - rounding) and np.all(q <= self._highest + rounding))
 
@@ -294,8 +294,9 @@ class ArmModel:
         return self._model, self._geometry.copy(), self._root_T_base
 
     def tip_mount(self) -> tuple[int, pin.SE3]:
-        """Return Pinocchio's index of the joint that carries the tip, and joint_T_tip: data of a collision
-        checker.
+        """Return Pinocchio's index of the joint that carries the tip, and the pose joint_T_tip of the tip.
+
+        A checker of collisions needs both to attach a held body.
         """
         frame = self._model.frames[self._tip_id]
         return frame.parentJoint, frame.placement
@@ -322,8 +323,8 @@ class ArmModel:
         return limits
 
     def of_arm(self, columns: FloatArray) -> FloatArray:
-        """Return values (..., n) of the arm's joints, given values (..., m) of all joints in Pinocchio's
-        order.
+        """Select the values (..., n) of the arm's joints from values (..., m) of all joints of Pinocchio's
+        model.
 
         Values are torques in [Nm] or [N], or columns of a Jacobian, in its units. A joint's torque includes
         those of its followers.

@@ -50,7 +50,7 @@ class LinkFacts(NamedTuple):
 
 
 class MeshUse(NamedTuple):
-    """A mesh file as a link of a URDF uses it for its collision body or its picture."""
+    """Use of a mesh file by a link of a URDF, for the collision body or the visual appearance of the link."""
 
     link: str
     kind: str

@@ -57,7 +57,9 @@ def read_urdf(text: str) -> UrdfElement:
 
 @lru_cache(maxsize=8)
 def known_urdf(text: str) -> UrdfElement:
-    """Return the URDF's root element, cached; callers must not change it."""
+    """Return the root element of a URDF; the same text gives the same object, so callers must not
+    change it.
+    """
     return read_urdf(text)
 
 

@@ -35,7 +35,7 @@ class NotPossible(InputError):
 
 @dataclass(frozen=True, kw_only=True)
 class AskedCampaign:
-    """Arguments of a requested campaign, as the options of `handcart campaign` give them."""
+    """Settings of a campaign that a user starts, one for each option of the command `handcart campaign`."""
 
     task: Path
     trials: int = 20

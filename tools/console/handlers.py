@@ -194,7 +194,7 @@ class Handlers:
         return _json({"ok": True, "url": TICKETS_PATH + self._tickets.give(folder, str(word["page"]))})
 
     async def page(self, request: web.Request) -> web.Response:
-        """Answer with the page that a ticket opens."""
+        """Answer with the file of a run that the ticket in the request's address permits to open once."""
         ticket = self._tickets.take(request.match_info["word"])
         if ticket is None:
             return said(403, "this address was valid once, within half a minute; the console opens it again")

@@ -137,7 +137,7 @@ def write_new(kind: Starter, name: str, folder: Path) -> list[Path]:
         folder: new or empty folder.
 
     Raises:
-        NotAName: see `names_of`.
+        NotAName: the name cannot be used for a new project.
         FolderInUse: the folder has files in it; nothing is written.
         NotWritable: a file cannot be written.
     """

@@ -102,7 +102,7 @@ class Progress(RunObserver):
                 self._tell("writing down what was seen")
 
     def period(self, robot: Robot) -> None:
-        """Update the elapsed time on a terminal."""
+        """Update the line on the terminal with the run's elapsed time and present action."""
         if robot.time >= self._next:
             self._next = robot.time + 0.5
             self._status.update(f"[dim]{robot.time:8.1f} s[/dim]  {self._now}{self._how_far(robot.time)}")

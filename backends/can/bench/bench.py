@@ -92,7 +92,7 @@ class Bench:
             self._plant.place(self.drives)
 
     def go_wrong(self, act: Act, node: int | None = None) -> None:
-        """Cause a fault now.
+        """Cause a fault of a simulated drive, or of the bench's CAN bus, now.
 
         Args:
             act: function that causes the fault, called with the bench and the drive.

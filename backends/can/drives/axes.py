@@ -73,7 +73,9 @@ class Axes(Mapping[str, Axis]):
         set_up(self.values(), self._spec, self._period)
 
     def look(self) -> None:
-        """Read the positions of all axes; raise `CanFault` if a drive cannot be read."""
+        """Read the present position of each axis from its drive; raise `CanFault` if a drive cannot be
+        read.
+        """
         look(self.values())
 
     def enable(self, simulated: bool, beat: Callable[[], None]) -> None:

@@ -321,7 +321,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def jump(self) -> str:
-        """Size, as text, of the first implausible jump of the measured position, and its likely cause."""
+        """Message with the size and likely cause of the first implausible jump of the measured position."""
         bits = encoder_bits(self._jump - self._jump_way, 0.1 * abs(self._jump_way) + 2.0)
         size = f"by {self._jump} counts ({self._jump / self.units.scale:.3g} m or rad)"
         if bits is None:
@@ -351,7 +351,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def velocity(self) -> float:
-        """Measured velocity, in [m/s] or [rad/s]."""
+        """Velocity of the axis, measured by its drive, in [m/s] or [rad/s]."""
         return self.units.speed(self._reported[0x606C])
 
     @property

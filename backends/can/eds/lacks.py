@@ -79,9 +79,10 @@ def lack_of(index: int) -> Without | None:
 
 
 def accepting(index: int) -> str:
-    """Return the end of a message that says how a robot's file can accept a drive without an object.
+    """Return the end of a message on an object that a drive's EDS lacks: how the robot's file can accept
+    this.
 
-    "" if no drive may lack the object.
+    The result is "" if no drive may lack the object.
     """
     word = lack_of(index)
     return (

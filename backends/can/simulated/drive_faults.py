@@ -42,7 +42,9 @@ class DriveFaults:
 
     @property
     def notices(self) -> bool:
-        """True if the drive detects following errors; with a fault in `gain` or `late` it does not."""
+        """True if the drive detects following errors; with an injected wrong gain (`gain`) or delay (`late`)
+        of its motion it does not.
+        """
         return self.gain == 1.0 and self.late == 0
 
     def astray(self, way: float) -> float:

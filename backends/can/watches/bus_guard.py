@@ -58,10 +58,10 @@ class BusGuard:
         self._traffic.begin(self._clock())
 
     def check(self) -> None:
-        """Check the bus; called once a period.
+        """Check the CAN bus by all its monitors (watches); called once a period.
 
         Raises:
-            CanFault: a watch found a fault.
+            CanFault: one of the watches found a fault.
         """
         now = self._clock()
         for watch in self._watches:

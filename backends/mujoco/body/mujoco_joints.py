@@ -23,7 +23,7 @@ _OFF = 1e-9  # [Nm] of a drive that does nothing: MuJoCo takes 0 for no limit
 
 
 class MujocoJoints(JointGroup):
-    """Joints of a robot that are moved by MuJoCo's drives (actuators); see `JointGroup`.
+    """Joints of a simulated robot in MuJoCo that are moved by its drives (actuators).
 
     The drives' set-points move in each step of the solver. A drive is as stiff as possible: without load it
     reaches the commanded speed after one step. Compliant joints have two drives: a stiff drive with little

@@ -35,7 +35,7 @@ class TileLook(NamedTuple):
 class Looks:
     """Appearance of all bodies of a world, for rendering, by their numbers in the engine.
 
-    An entry is added with each body, and never removed.
+    The appearance of a body is added together with the body, and never removed.
     """
 
     level: bool = False

@@ -66,7 +66,9 @@ class Numbering:
         self._where: IntArray = np.minimum(first[:, None] + np.arange(FREE_COORDINATES), last[:, None])
 
     def moved(self, changed: BoolArray) -> frozenset[int]:
-        """Return the numbers of the things that moved, given a mask (n,) of changed coordinates in `qpos`."""
+        """Return the numbers of the things that moved, by a mask (n,) of changed joint coordinates (MuJoCo's
+        `qpos`).
+        """
         return frozenset(self._numbers[changed[self._where].any(axis=1)].tolist())
 
 

@@ -45,7 +45,9 @@ class Pins:
         self._there = True
 
     def closed(self, data: Any) -> bool:
-        """Return True if the pins are active, so that they fix a thing to the hand."""
+        """Return True if the pins (constraints of MuJoCo) are active, so that they fix a thing to the
+        hand.
+        """
         return bool(data.eq_active[self._first])
 
     def pull(self, data: Any) -> float:

@@ -71,7 +71,7 @@ class PhysicsGripper(SimulatedGripper):
         self._now = period
 
     def act(self, share: float) -> None:
-        """Command the gripper's drive for the next part of a control period.
+        """Command the drives of the simulated fingers for the next of several parts of a control period.
 
         Args:
             share: share of the period, 0 to 1, that will have passed at the end of this part.

@@ -23,7 +23,8 @@ weight.
 class PhysicsHolonomicBase(CommandedHolonomicBase):
     """Base in a physics engine that drives in any direction, such as on mecanum wheels.
 
-    Its wheels are not simulated: it slides without friction, and a planar drive (`PlanarDrive`) pushes it.
+    Its wheels are not simulated: it slides without friction on the floor, and a simulated drive pushes it in
+    x, y and heading.
     """
 
     def __init__(self, robot: RobotFile, body: RobotBody, chunk: float, seed: int) -> None:

@@ -68,7 +68,7 @@ class RobotBody(ABC):
 
     @abstractmethod
     def standing_pose(self) -> Transform:
-        """Return world_T_base (4, 4) of the base without the tilt on its suspension."""
+        """Return world_T_base (4, 4) as it would be without the tilt of the base on its suspension."""
 
     def base_pose(self) -> Transform:
         """Return the true world_T_base (4, 4)."""

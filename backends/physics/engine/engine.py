@@ -41,8 +41,9 @@ class Pinned:
 
 
 class Touching(NamedTuple):
-    """Contact of two links, `link` of the body that was asked for, and `other_link` of the body with number
-    `other`.
+    """Contact of a body, whose contacts a caller requested, with another body of the engine.
+
+    `link` belongs to the first body, `other_link` to the body with the number `other`.
     """
 
     link: int
@@ -91,7 +92,9 @@ class Engine(ABC):
     @property
     @abstractmethod
     def pinned(self) -> Pinned | None:
-        """Current rigid connection of two bodies; None without one."""
+        """Rigid connection that at present fixes one body to another (such as a held thing to the hand); None
+        without.
+        """
 
     def parts(self) -> Sequence[int]:
         """Return the number of solver steps in each part of a chunk, the time between two commands to drives.

@@ -117,7 +117,9 @@ class ThingBody:
         self.engine.show(self.id, self.first_picture())
 
     def keep(self) -> None:
-        """Set the body's mass to the present mass of its thing, at the beginning of a period."""
+        """Update the body's mass in the engine, at the beginning of a period, to the thing's mass, which may
+        change.
+        """
         if self.thing.mass != self._mass:
             self._mass = self.thing.mass
             self.engine.weigh(self.id, self._mass)

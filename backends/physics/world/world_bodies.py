@@ -168,8 +168,8 @@ class WorldBodies:
         return self._engine.pose(self.bodies[thing.name]) @ inverse(thing.thing_T_middle)
 
     def keep_time(self) -> None:
-        """Place the solids that appear or disappear during a run, and the people and carts that pass by, as
-        at the scene's time.
+        """Move the solids that appear or disappear during a run, and the people and carts that pass by, to
+        where they are at the scene's present time.
         """
         for body, solid in self._surprises:
             there = solid.appears <= self._scene.time < solid.leaves

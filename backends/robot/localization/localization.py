@@ -96,7 +96,7 @@ class Localization(ABC):
 
     @property
     def can_relocate(self) -> bool:
-        """True if the robot has a map and a lidar, which `forget_pose` and `locate` need."""
+        """True if the pose can be given up and searched again on the map, which takes a map and a lidar."""
         return self.map_field is not None and isinstance(self._range_sensor, Lidar)
 
     @property
@@ -240,7 +240,7 @@ class Localization(ABC):
             self._displaced()
 
     def found_at(self, pose: Pose2, sigma: tuple[float, float]) -> None:
-        """Correct the pose by a measured map_T_base; `sigma` of x and y in [m], of the heading in [rad]."""
+        """Correct the pose by a measured map_T_base with the sigmas of x and y [m] and heading [rad]."""
         variance = np.diag([sigma[0], sigma[0], sigma[1]]) ** 2
         self._wheels.odometry.correct(pose, variance)
 
@@ -256,7 +256,7 @@ class Localization(ABC):
         self.set_origin()
 
     def locate(self, pose: Pose2, covariance: FloatArray) -> None:
-        """Go from a local map to the map, at map_T_base; covariance (3, 3) of x, y [m] and heading [rad]."""
+        """Leave the local map; localize on the task's map from `pose`; `covariance` (3, 3) in [m, m, rad]."""
         assert self.map_field is not None
         self.local_map = self.lifted = None
         self._wheels.change_map(self.map_field, pose, covariance)
@@ -274,7 +274,7 @@ class Localization(ABC):
 
     def measure_displacement(self, displacement: Pose2, covariance: FloatArray) -> None:
         """Correct the resting base's pose by a measured motion since `set_origin` (origin_T_base), with
-        covariance (3, 3) of x, y [m] and heading [rad]; scans then only detect pushes.
+        covariance (3, 3) of x, y [m] and heading [rad]; until it drives, scans only detect pushes.
         """
         self._wheels.odometry.measure_displacement(displacement, covariance)
         self.still = STILL_SCANS + 1

@@ -31,7 +31,9 @@ class MeasuredTopic(NamedTuple):
 
 
 class TopicMeter:
-    """Measurement of the rate, gaps and ages of one topic's messages since `begin`."""
+    """Measurement of the rate, gaps and ages of the messages of one ROS topic since the method `begin` was
+    called.
+    """
 
     def __init__(
         self, topic: str, kind: str, clock: Callable[[], float], stamps: Callable[[], float]

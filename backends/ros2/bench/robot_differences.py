@@ -32,7 +32,8 @@ STATE_PREFIX = "state."
 
 
 class RobotDifferences:
-    """Planned differences between a simulated robot and its file, to test that checks find them.
+    """Differences of a simulated robot from its file, set on purpose to test that checks of the robot find
+    them.
 
     Most differences are factors by which a quantity is multiplied, such as -1 for a wrong sign, or 57.3 for
     degrees in place of radians; some are times in [s].

@@ -168,5 +168,5 @@ def colour_of(message: Any) -> ByteArray:
 
 
 def stamp_of(message: Any) -> float:
-    """Return the stamp of a message, in [s]."""
+    """Return the time stamp in the header of a ROS message, in [s]."""
     return float(message.header.stamp.sec) + float(message.header.stamp.nanosec) / 1e9

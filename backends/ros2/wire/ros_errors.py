@@ -56,7 +56,7 @@ def _elsewhere(package: str) -> str:
 
 
 class NotOnTheAir(InputError):
-    """Error: ROS topics are missing, or differ from the robot's file. Nothing has moved."""
+    """Error: ROS topics are missing or differ from the robot's file; found before anything has moved."""
 
     def __init__(self, findings: Sequence[str]) -> None:
         self.findings = tuple(findings)

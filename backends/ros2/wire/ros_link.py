@@ -70,7 +70,9 @@ class Link(Protocol):
         """Return the names of all topics whose messages are of the type `kind`."""
 
     def joints_of(self, controller: str) -> list[str]:
-        """Return the parameter `joints` of a controller's node; empty if it reports none."""
+        """Return the names of the joints that a controller moves, by its node's parameter `joints`; empty if
+        unknown.
+        """
 
     def goal_sender(self, kind: str, name: str) -> GoalSender:
         """Return a client of an action, to send goals; `kind` is a type such as

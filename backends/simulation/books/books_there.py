@@ -41,7 +41,9 @@ class Waiting(NamedTuple):
 
 
 class BooksThere(Props[BooksSection]):
-    """Books of a simulated world by accession number, and shelves by name; `BookProps` adds their motion."""
+    """Books of a simulated world by accession number, and shelves by name; the subclass `BookProps` moves
+    them.
+    """
 
     section = BooksSection
     STATE: ClassVar[Kinds] = {"books": dict[int, SimulatedBook], "to_come": list[BookSpec], "waits": Waiting}

@@ -26,7 +26,7 @@ from .depth_noise import DepthNoise
 
 
 class TrueDepth(NamedTuple):
-    """Picture and depth of a perfect depth camera."""
+    """Colour picture and depth picture that a depth camera without errors would take."""
 
     colour: ByteArray
     """Colours (height, width, 3) in RGB, 0 to 255."""

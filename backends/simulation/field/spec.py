@@ -30,7 +30,7 @@ class StationSpec(FileModel):
 
 
 class FieldSection(FileModel):
-    """Keys of a world's file that describe a field of sensors."""
+    """Keys of a world's file about seismic sensors: those in the robot's magazine, and the total station."""
 
     sensors: SeismicSensorSpec | None = None
     """Sensors in the robot's magazine."""

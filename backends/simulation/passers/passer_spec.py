@@ -57,5 +57,7 @@ class PasserSpec(FileModel):
 
     @property
     def members(self) -> tuple[str, ...]:
-        """Names of the passer and its companions."""
+        """Names of all members of a group that walks together: the passer that the file describes, and its
+        companions.
+        """
         return (self.name, *(f"{self.name} {number}" for number in range(2, len(self.group_m) + 2)))

@@ -70,7 +70,9 @@ class HandRule:
         return np.zeros(3)
 
     def room(self) -> float:
-        """Return the largest possible opening of the fingers, in [m]; infinity if nothing limits it."""
+        """Return the largest opening, in [m], for which things around the fingers leave room; infinity if
+        none limits it.
+        """
         return float("inf")
 
     def gripped(self, thing: Thing) -> None:

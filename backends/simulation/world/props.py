@@ -63,7 +63,7 @@ class Props(SceneProps, Generic[FileModelT]):
 
     @classmethod
     def findings(cls, loaded: Loaded[FileModelT], robot: RobotFile) -> Iterator[Finding]:
-        """Yield the findings about keys of the world's file that do not fit the given robot."""
+        """Yield findings for the domain's keys in a world's file whose values do not fit the given robot."""
         yield from ()
 
     def set_up(self) -> None:

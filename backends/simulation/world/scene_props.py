@@ -59,7 +59,7 @@ class SceneProps(ABC):
         thing.rest = Rest.HAND
 
     def step(self) -> None:
-        """Begin a period: update things that move or change without the robot."""
+        """Begin a control period: update those things of the domain that move or change without the robot."""
 
     def hand_force(self) -> FloatArray:
         """Return the force (3,) on the hand from the things of one application domain, in the hand frame, in

@@ -75,7 +75,7 @@ class Thing(ABC):
 
     @property
     def carrier(self) -> str:
-        """Support of the thing: "hand", "tray", "table", "floor", "person", or the name of a more specific
+        """Support of the thing: "hand", "tray", "table", "floor" or "person"; a subclass may name its own
         support.
         """
         return self.rest.value

@@ -58,7 +58,10 @@ class Wall(FileModel):
 
 
 class Furniture(FloorPose):
-    """A solid box, on the floor or above it; its pose is that of its middle."""
+    """Piece of furniture in a simulated world, a solid box on the floor or above it.
+
+    Its pose is that of its middle.
+    """
 
     name: Name
     size_m: tuple[Length, Length, Length]
@@ -128,7 +131,10 @@ class SkySpec(FileModel):
 
 
 class BeaconsThere(FileModel):
-    """Moved positions and drifting biases of the radio beacons, which the robot's file does not have."""
+    """True errors of the radio beacons in a simulated world: moved positions and drifting biases of ranges.
+
+    The robot does not know them, because the robot's file does not contain them.
+    """
 
     places_m: dict[str, BeaconPlace] = Field(default_factory=dict)
     """True positions of beacons that were moved, by name."""

@@ -52,7 +52,9 @@ class EntryCounts:
 
     @property
     def p(self) -> float:
-        """Expected probability of Success, rounded to 3 decimals as in a task file."""
+        """Probability of Success, estimated from counted outcomes, rounded to 3 decimals as in a task
+        file.
+        """
         return min(MAX_P, round(self.counts.chance.success, 3))
 
     @property

@@ -107,7 +107,9 @@ class Learned:
             yield f"  never started in them, so a walk that comes to it ends: {name}"
 
     def facts(self) -> dict[str, object]:
-        """Return the prediction's intervals, its cross-validation and actions without data as JSON values."""
+        """Return the prediction as JSON values: intervals, cross-validation, and actions that no trial has
+        started.
+        """
         return {
             "trials": len(self.seen.success),
             "success_95": self.prediction.success_95,

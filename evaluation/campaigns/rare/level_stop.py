@@ -48,7 +48,9 @@ class LevelStop(RunObserver):
         """Number of actions that have ended in this run."""
 
     def begin(self, prepared: Prepared, run_dir: Path) -> None:
-        """Raise NotSplit for a backend whose state cannot be restored."""
+        """Raise `NotSplit` if runs cannot be split, because the backend's state cannot be saved and
+        restored.
+        """
         backend = prepared.backend
         if not backend.simulated or backend.state() is None:
             raise NotSplit(prepared.backend_name)

@@ -32,7 +32,9 @@ class BrokenRun(HandcartError):
 
 
 class Stopped(NamedTuple):
-    """Run that was stopped on reaching a level of importance, from which other runs are continued."""
+    """Run that was stopped when it reached a level of importance, so that other runs can continue from its
+    state.
+    """
 
     folder: Path
     seed: SplitSeed

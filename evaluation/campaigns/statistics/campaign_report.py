@@ -18,7 +18,7 @@ from .tally import OUTCOME_NAMES, WORST_TRIAL_COUNT, Blame, Tally
 
 @dataclass(frozen=True)
 class Spread:
-    """Distribution of a metric over the trials that have it."""
+    """Summary of a metric's distribution over the trials of a campaign that report this metric."""
 
     count: int
     least: float

@@ -57,7 +57,10 @@ class MetricChange:
 
 @dataclass
 class Parting:
-    """Pairs of trials in which only one trial succeeded, and whose actions first differ in the same way."""
+    """Group of paired trials of two campaigns in which only one trial succeeded.
+
+    The actions of all pairs in a group first differ in the same way.
+    """
 
     times: int = 0
     seeds: list[int] = field(default_factory=list)

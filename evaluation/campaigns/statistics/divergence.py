@@ -26,12 +26,16 @@ class Divergence:
 
     @property
     def kind(self) -> str:
-        """Return a text that is equal for all pairs with this kind of difference."""
+        """Return a text that names the two differing ends of actions, to group pairs of trials that differ
+        alike.
+        """
         return f"{_kind(self.one)} against {_kind(self.other)}"
 
 
 def first_difference(one: Trial, other: Trial) -> Divergence | None:
-    """Return the first action that differs in name or outcome; None if all are equal."""
+    """Return the first action in which two trials differ by name, situations or outcome; None if all are
+    equal.
+    """
     pairs = zip_longest(one.actions, other.actions)
     for number, (mine, theirs) in enumerate(pairs, start=1):
         if mine is None or theirs is None or _identity(mine) != _identity(theirs):

@@ -64,8 +64,9 @@ def exact_end(task: Path, settings: Mapping[str, str], outcome: str) -> float | 
 
 
 def file_chances(task: Path, settings: Mapping[str, str]) -> dict[str, float]:
-    """Return the probabilities of Success in a task's file by the action's name; empty if the file is
-    unreadable.
+    """Return the probability of Success that a task's file states for each action, by the action's name.
+
+    The result is empty if the file cannot be read.
     """
     try:
         read = load_task(task, settings)

@@ -63,7 +63,8 @@ CONTEXT_COUNT = 2 * (MOST_FAILS + 1)
 
 
 def context_of(fails: Int32Array, after_fail: BoolArray) -> Int32Array:
-    """Return codes (n,), below `CONTEXT_COUNT`, of the history on which an action's outcome may depend.
+    """Return integer codes (n,), below `CONTEXT_COUNT`, for the Fails so far on which an action's outcome may
+    depend.
 
     Args:
         fails: (n,) number of earlier Fails of the action; more than `MOST_FAILS` count as `MOST_FAILS`.

@@ -221,7 +221,8 @@ def mounts(bench: KitBench, finding: CheckResult) -> None:
 
 
 def rates(bench: KitBench, finding: CheckResult) -> None:
-    """Check that each sensor is read once a period: a second reading in a period equals the first.
+    """Check that each sensor has one reading a period, so that a second call in a period returns the same
+    reading.
 
     In the next period the reading must be new, which noise shows. A simulation without noise is accepted if
     its readings change while the base drives.

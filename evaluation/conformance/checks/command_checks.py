@@ -99,7 +99,9 @@ def after_a_step(bench: KitBench, finding: CheckResult) -> None:
 
 
 def one_period(bench: KitBench, finding: CheckResult) -> None:
-    """Check that without a new command the base stops after one period, and arm and gripper hold still."""
+    """Check that without a new command the base stops after one period, and arm and gripper stay where they
+    are.
+    """
     with bench.rig() as rig:
         backend = rig.backend
         for _ in range(SETTLING_PERIODS):

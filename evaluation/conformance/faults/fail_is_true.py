@@ -44,7 +44,9 @@ class FaultTrial(NamedTuple):
 
     @property
     def title(self) -> str:
-        """Number and name of the action; only the name if the primitive was run without a task."""
+        """Number of the action and name of its primitive; only the name if the primitive was run without a
+        task.
+        """
         return f"{self.action}. {self.primitive}" if self.action else self.primitive
 
 

@@ -91,7 +91,7 @@ _SLIDES = ((0.1, 0.0), (-0.1, 0.0), (0.0, 0.12), (0.0, -0.12))
 
 @cache
 def all_sensors() -> tuple[str, ...]:
-    """Return the names of the sensors of all capabilities."""
+    """Return the names of all kinds of sensors into which a fault can be injected."""
     readings = (reading for kind in all_capabilities() for reading in kind.READINGS.values())
     return tuple(dict.fromkeys(reading.sensor for reading in readings))
 

@@ -46,7 +46,8 @@ class Rehearsal:
     """Name of the simulated backend behind the drives or topics; None: the backend needs none."""
 
     def actions(self) -> list[Action]:
-        """Return the actions that are run: the cheapest plan to the goal, and actions that only compute.
+        """Return the task's actions that the rehearsal runs: the cheapest plan to the goal, and actions that
+        only compute.
 
         Actions that only compute move nothing; they are run if they begin in a situation of the plan.
 

@@ -28,8 +28,8 @@ def declared() -> dict[Path, Mapping[str, str]]:
 def repertoire(robot: str, settings: Mapping[str, str], backend: str) -> tuple[Path, ...]:
     """Return the shipped tasks for testing a robot on a backend.
 
-    These are the tasks made for the robot or its variants; without such tasks, all that the robot can do.
-    Tasks whose worlds the backend cannot simulate are omitted.
+    These are the tasks that name the robot or one of its variants. If there are none, they are all tasks that
+    the robot can do. Tasks whose worlds the backend cannot simulate are omitted.
 
     Args:
         robot: name of a shipped robot, or path of a robot's file.

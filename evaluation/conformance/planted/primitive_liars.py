@@ -63,7 +63,8 @@ class MovesLater(Reach):
 
 
 class RelativeUndo(Reach):
-    """Mutant primitive that restores the base a little beside its start, and claims to be at the start.
+    """Mutant primitive that returns the base to a pose near its start pose, and claims that it is the start
+    pose.
 
     It overwrites the start pose in its snapshot with the pose that it reached.
     """

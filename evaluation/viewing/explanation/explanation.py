@@ -59,7 +59,9 @@ class Explanation:
 
     @property
     def causes(self) -> Sequence[Mapping[str, Any]]:
-        """Causes in the journal, first why the action's motion ended, then why its restoring ended."""
+        """Causes recorded in the journal: why the action's motion ended, then why the return to its start
+        state ended.
+        """
         return tuple(self.action.result.get("cause", ())) if self.action else ()
 
 

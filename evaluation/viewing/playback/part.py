@@ -155,7 +155,7 @@ def millimetres(ranges: FloatArray) -> Uint16Array:
 
 
 def metres(scan_mm: Uint16Array) -> FloatArray:
-    """Return lidar ranges (...,) in [m] from integers; infinity without an echo, NaN if invalid.
+    """Return lidar ranges (...,) in [m], given as integers in [mm]; infinity without an echo, NaN if invalid.
 
     Args:
         scan_mm: (...,) encoded by `millimetres`.

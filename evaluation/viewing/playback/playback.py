@@ -134,7 +134,9 @@ class Playback:
         return float(self.rows.time[-1])
 
     def at(self, time: float) -> PlaybackMoment:
-        """Return the state at a time in [s], interpolated between two rows and limited to the recording."""
+        """Return the state at a time in [s], interpolated between two recorded rows; a time outside the
+        recording gives its start or end.
+        """
         rows = self.rows
         a = int(np.clip(np.searchsorted(rows.time, time, "right") - 1, 0, len(rows.time) - 1))
         b = min(a + 1, len(rows.time) - 1)

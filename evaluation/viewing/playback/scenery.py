@@ -93,7 +93,7 @@ class RobotShape(FileModel):
 
 
 class Scenery(FileModel):
-    """Constant data of a recorded run, with robot, fixed solids, map and places.
+    """Data that do not change during a recorded run, such as robot, fixed solids, map and places.
 
     Map and places are in the map's frame, everything else is in the world's frame.
     """

@@ -55,7 +55,9 @@ class Page:
         server.on_client_connect(self._aim)
 
     def add_layers(self) -> None:
-        """Add check boxes that show or hide layers of the drawing, and one for following the robot."""
+        """Add check boxes to the page that show or hide parts of the 3D view, and one that lets the view
+        follow the robot.
+        """
         gui = self._server.gui
         with gui.add_folder("Show", expand_by_default=False):
             for label, names in LAYER_NODES.items():

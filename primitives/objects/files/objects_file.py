@@ -44,5 +44,7 @@ class ObjectsFile(FileModel):
         return self.kinds[self.objects[name].kind]
 
     def tags_of(self, name: str) -> tuple[PrintedTag, ...]:
-        """Return the tags on an object."""
+        """Return the tags that are printed on all objects of an object's kind, and those on this object
+        only.
+        """
         return (*self.kind_of(name).tags, *self.objects[name].tags)

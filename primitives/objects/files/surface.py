@@ -40,7 +40,9 @@ class SurfaceSpot(FileModel):
 
     @property
     def pose(self) -> Pose2:
-        """Pose on the map; the heading is 0 if the spot allows any heading."""
+        """Pose on the map of this spot (place for an object on a surface); the heading is 0 if it allows any
+        heading.
+        """
         return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg or 0.0))
 
     def moved_by(self, before: Pose2, now: Pose2) -> Self:
@@ -118,7 +120,7 @@ class ObjectSurface(LevelPose):
                 yield Box(self.pose @ transform((0.0, off, middle)), (self.size_m[0], thick, high), name)
 
     def contact_names(self, name: str) -> tuple[str, ...]:
-        """Return the names of all bodies in simulated worlds that an object on the surface may touch.
+        """Return the names, in simulated worlds, of the bodies that an object on this surface rests on.
 
         Args:
             name: name of the surface.

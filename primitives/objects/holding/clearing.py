@@ -21,8 +21,8 @@ MAX_RISE_M = 0.36  # over the height of what stands beside an object
 def lift_clear(robot: Robot, model: ModelView, held: Solid) -> Periods:
     """Lift the held object straight up until it is clear of the assumed places of objects that were not seen.
 
-    The neighbours of the object were next to it before and are not above it. Nothing moves if the object is
-    clear already, or if the arm can't lift it that far.
+    Objects that were next to the held object on its surface are not above it, so a straight lift is free.
+    Nothing moves if the object is clear already, or if the arm can't lift it that far.
 
     Args:
         robot: robot whose hand holds an object that was lifted off its surface.

@@ -67,7 +67,7 @@ class PullWatch:
         """Measure the force at rest again where the hand is now, and set `is_rested`.
 
         If the force differs from the earlier force at rest, somebody may pull already: `is_rested` is False
-        then, and the earlier force at rest stays valid. So a pull is not taken for weight.
+        then, and the force at rest measured before stays valid. Thus a pull is not mistaken for weight.
         """
         mean, _ = yield from self._readings()
         self._forces.clear()

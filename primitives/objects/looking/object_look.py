@@ -65,7 +65,9 @@ class ObjectLook:
         return [read for read in self.reads if read.object == name]
 
     def others(self, name: str) -> str:
-        """Return in words all objects but `name`, and unknown tags, that were read; "nothing" if none."""
+        """Return a list in words of the objects other than `name`, and the unknown tags, whose tags were read
+        in the pictures; "nothing" if there are none.
+        """
         found = dict.fromkeys(read.object or read.label for read in self.reads if read.object != name)
         return ", ".join(found) or "nothing"
 
@@ -130,7 +132,7 @@ def look_closely(
     evidence: Evidence,
     wanted: Direction = "any",
 ) -> Periods:
-    """Move the camera near an object whose place is about known, clear of it, and read its tags.
+    """Move the camera near an object of roughly known place, without touching it, and read the object's tags.
 
     Args:
         robot: robot with a camera.

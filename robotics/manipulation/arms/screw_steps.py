@@ -88,7 +88,8 @@ def tip_and_jacobian(chain: ScrewChain, posture: ChainPosture) -> None:
 
 @compiled
 def pose_error(pose: FloatArray, target: FloatArray, free: int, error: FloatArray) -> None:
-    """Write the motion from a pose to a target into `error`, leaving out the turn that is free.
+    """Write the motion from a pose to a target into `error`, without the rotation about the axis that is
+    free.
 
     Args:
         pose: (4, 4) base_T_tip.

@@ -19,8 +19,8 @@ def layers(
     """Return each step's placement in the division with the greatest integral of the score.
 
     The result (p-1,) holds column numbers of `values`. A step leads from a point of the path to the next, and
-    is tracked from one base pose, its placement. At least one division into `count` placements must exist
-    (see `fewest_placements`).
+    is tracked from one base pose, its placement. At least one division into at most `count` placements must
+    exist.
 
     Args:
         values: (p, b) scores of points from placements, from 0 to 1.
@@ -76,8 +76,8 @@ def cheapest_layers(
 ) -> IntArray:
     """Return each step's placement in the division with the greatest value, as (p-1,) columns of `values`.
 
-    The value is the integral of the score along the path less the cost of moves. A step leads from a point of
-    the path to the next, and is tracked from one base pose, its placement.
+    The value is the integral of the score along the path, less `cost` for each change of the base pose. A
+    step leads from a point of the path to the next, and is tracked from one base pose, its placement.
 
     Args:
         values: (p, b) scores of points from placements, from 0 to 1.
@@ -117,8 +117,10 @@ def cheapest_layers(
 
 @compiled_for("(b1[:,::1], b1[:,::1], i8)")
 def farthest_run(usable: BoolArray, joined: BoolArray, first: int) -> tuple[int, int]:
-    """Return the placement that tracks a path farthest from the point `first` on, and the last point that it
-    tracks.
+    """Return the placement (base pose) that tracks the longest part of a path that begins at the point
+    `first`.
+
+    The last point of this part is returned, too.
 
     If no placement reaches the next point, -1 and `first` are returned.
 

@@ -52,7 +52,8 @@ class Placer(BaseScorer):
         free: Free | None = None,
         cost: float = 0.0,
     ) -> Placements:
-        """Return the division of a path among base poses with the best score.
+        """Return the division of a path among base poses that has the best score; each part is tracked from
+        one pose.
 
         Args:
             path: path of the tool.

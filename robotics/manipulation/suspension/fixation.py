@@ -132,7 +132,7 @@ def placing_posture(planned_T_base: Transform, planned_T_goal: Transform) -> Tra
 
 
 def split_goal(world_T_goal: Transform, world_T_base: Transform) -> Transform:
-    """Return base_T_goal (4, 4), the pose of a goal in the frame of the planned base.
+    """Return base_T_goal (4, 4), the pose of a goal in the frame of the base at its planned pose.
 
     This is M0_T_B0 of Hatano et al. (2000), section 3.
 

@@ -80,7 +80,9 @@ class GrowingMap:
         return pose.compose(odometry.relative_to(last))
 
     def carry_on_from(self, odometry: Pose2, displacement: Pose2) -> None:
-        """Set the measured pose from which `pose_of` continues by odometry, until the next keyframe is added.
+        """Set a measured pose of the base, from which later poses are computed by odometry.
+
+        It is used by `pose_of` until the next keyframe is added.
 
         Args:
             odometry: odom_T_base when the pose was measured.
@@ -92,7 +94,7 @@ class GrowingMap:
         """Match a keyframe with those before it, and add it.
 
         Returns:
-            The match; its pose is in the frame of the keyframe before.
+            The match, whose pose is that of the new keyframe in the frame of the keyframe before.
         """
         graph, self._found = self.graph, None
         moved = frame.odometry.relative_to(self.last.odometry)

@@ -13,7 +13,7 @@ MIN_LATERAL_SPEED_M_S = 1e-3  # below which no turn is limited by the lateral ac
 
 
 class DriveLimits(NamedTuple):
-    """Limits of the base's speed and acceleration."""
+    """Limits of the base's speed, turn rate and accelerations, which commands to it have to keep."""
 
     speed: float = 0.5
     """Maximum speed in [m/s]."""

@@ -158,7 +158,7 @@ class SensorView(NamedTuple):
         return SensorView(x, y, self.start - angle, self.width)
 
     def sees(self, points: FloatArray) -> BoolArray:
-        """Return a mask (n,): which points are in the field of view.
+        """Return a mask (n,), True for points in the lidar's field of view.
 
         Args:
             points: (n, 2) in the base frame, in [m].

@@ -138,7 +138,7 @@ class PathTracker:
 
     @property
     def remaining(self) -> float:
-        """Length of route still ahead, in [m]."""
+        """Length of the route from the robot's present place on it to its end, in [m]."""
         return float(self._along[-1]) - self._progress
 
     @property

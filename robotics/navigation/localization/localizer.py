@@ -219,7 +219,7 @@ class ScanLocalizer(Localizer):
 
     @property
     def sure(self) -> bool:
-        """True if the last scan was accepted."""
+        """True if the last scan matched the map well enough to correct the pose."""
         return self.last_match is not None and self._poor == 0
 
     @property

@@ -56,7 +56,7 @@ def matching_noise(field: LikelihoodField, sigma: float) -> float:
     """Return the standard deviation of a scan point's distance to the map, in [m].
 
     Args:
-        field: likelihood field of the map, whose resolution counts.
+        field: likelihood field of the map; the size of its cells adds to the result.
         sigma: standard deviation of a range, in [m].
     """
     return math.hypot(sigma, CELL_SIGMA * field.map.resolution)
@@ -79,7 +79,7 @@ def independent_beams(beams: ScanBeams) -> float:
 
 
 def explain(field: LikelihoodField, beams: ScanBeams, poses: FloatArray, noise: float) -> Explained:
-    """Return how well a scan agrees with the map at each of some poses.
+    """Return which shares of a scan's beams agree or disagree with the map, for each of several poses.
 
     Args:
         field: likelihood field of the map.

@@ -186,7 +186,9 @@ class Baseline:
         self._moved, self._fastest = Pose2(0.0, 0.0, 0.0), FASTEST_KEPT * self._fastest
 
     def reset(self) -> None:
-        """Discard the scan, so that the next one is not compared."""
+        """Discard the kept reference scan, so that the next scan is not compared but becomes the new
+        reference.
+        """
         self._before, self._surface = None, None
 
     def compares(self, beams: ScanBeams) -> bool:
@@ -204,7 +206,7 @@ class Baseline:
 
     @property
     def is_complete(self) -> bool:
-        """True if the wheels have moved so far that the next scan may replace the kept one, the reference."""
+        """True if the wheels have moved so far since the reference scan that the next scan may replace it."""
         return self._has_moved(*self._complete)
 
     def _has_moved(self, way: float, turn: float) -> bool:
@@ -212,8 +214,8 @@ class Baseline:
         return rolled > way or abs(self._right - self._left) > turn * self._tread
 
     def fits_elsewhere(self, beams: ScanBeams) -> bool:
-        """Return whether a scan fits clearly better if the base was held, fully or at one wheel, than if it
-        moved as its wheels did.
+        """Return whether a scan fits the reference scan clearly better if the base was held, fully or at one
+        wheel, than if it moved as its wheels did.
         """
         own = self._disagreement(beams, self._moved)
         if own <= CLEAR_DIFFERENCE:

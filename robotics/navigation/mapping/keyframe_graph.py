@@ -39,7 +39,9 @@ CHI2_LIMIT = 3.0 * SCALING_CHI2
 
 
 def ignore_stage(words: str, share: float) -> None:
-    """Ignore a report on the progress of map building; used if the caller wants no reports."""
+    """Ignore a report on the progress of map building; this is the default for callers that want no
+    reports.
+    """
 
 
 class KeyframeGraph:

@@ -252,10 +252,10 @@ def is_clear(squares: BlockedSquares, start: FloatArray, end: FloatArray, need: 
 
 @compiled
 def path_clearance(squares: BlockedSquares, path: FloatArray) -> FloatArray:
-    """Return for each point of a path the least distance to blocked squares on the segments that end at the
+    """Return a lower bound of the distance to blocked squares along the segments that meet at each path
     point.
 
-    At each place on these segments, the path is at least so far from blocked squares.
+    At each place on these segments, the path is at least this far from blocked squares.
 
     Args:
         squares: blocked squares of the map.

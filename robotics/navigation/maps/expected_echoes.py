@@ -16,7 +16,10 @@ CELLS_PER_STEP = 32
 
 
 class ExpectedEchoes(NamedTuple):
-    """Cell of the map at which each beam of a lidar should end, and its range, for a pose of the lidar."""
+    """For each beam of a lidar at a given pose, the occupied cell of the map that it should meet first.
+
+    The range of that cell is included.
+    """
 
     met: BoolArray
     """(n,) whether it meets an occupied cell of the map within reach."""

@@ -56,7 +56,7 @@ class SlipMonitor:
 
     @property
     def begun(self) -> bool:
-        """True if a new window of travel has just begun."""
+        """True if the present window, a stretch of travel over which slip is measured, has no travel yet."""
         return self._rolled == 0.0
 
     def roll(self, left: float, right: float, variance: float) -> None:

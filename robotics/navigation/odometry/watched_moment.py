@@ -48,7 +48,7 @@ class BeliefBranch(NamedTuple):
 class WatchedMoment(NamedTuple):
     """Estimate of a filter's states at an earlier moment, which later readings still improve.
 
-    Only this moment is tracked, by its covariance with the present states.
+    Of all earlier states only those at this moment are kept, with their covariance with the present states.
     """
 
     belief: Belief

@@ -24,8 +24,8 @@ class WayMonitor:
         self._missed, self._way, self._claimed, self._next = 0.0, 0.0, 0.0, TEST_EVERY_M
 
     def roll(self, way: float, variance: float) -> None:
-        """Add travel in [m], negative backwards, and its `variance` by assumed slip, in [m²], to the window's
-        sums.
+        """Add travel in [m], negative backwards, and its `variance` by assumed slip, in [m²], to the sums of
+        the present window, a stretch of travel after which the wheels' scale is tested.
         """
         self._way += way
         self._claimed += variance
@@ -35,10 +35,10 @@ class WayMonitor:
         self._missed, self._way, self._claimed, self._next = 0.0, 0.0, 0.0, TEST_EVERY_M
 
     def take(self, missed: float, map_sigma: float, scale_variance: float) -> float:
-        """Add a forward correction; return the size of the relative scale error if it is significant,
-        otherwise 0.
+        """Add a correction of the position by a scan; return the wheels' relative scale error, or 0.
 
-        A significant error starts a new window. Its sign is not returned.
+        The error is returned without its sign, and only if it is significant, otherwise 0. A significant
+        error starts a new window of travel.
 
         Args:
             missed: position by the scan less position by the wheels, along the heading, in [m].

@@ -11,8 +11,8 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class FilterRequest(Enum):
-    """Request to the filter between two of its steps, to mark the moment for the smoother, or to set the
-    origin.
+    """Request to an outdoor filter between two steps: mark the moment for the smoother, or measure
+    displacement from here on.
     """
 
     MARK = "mark"

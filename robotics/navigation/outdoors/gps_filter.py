@@ -164,7 +164,8 @@ class GpsFilter(FieldLocalizer):
         return self._mixed([filter_.mark() for filter_ in self.filters])
 
     def smoothed(self) -> list[Belief]:
-        """Return the states at all marked moments, estimated from all readings so far, also later ones.
+        """Return the states at all moments that the caller marked, estimated from all readings before and
+        after them.
 
         The list is empty if no data were recorded.
         """

@@ -152,7 +152,7 @@ class Ways:
     def route_to(self, goal: Pose2 | tuple[float, float]) -> Route | None:
         """Return the route to a goal; None if no route exists.
 
-        This is faster than `to`, but gives no reason if there is no route, and accepts no front of the goal.
+        If no route exists, the result does not say why; the method `to` does so, but is slower.
 
         Args:
             goal: position on the map, in [m]; a heading is ignored.

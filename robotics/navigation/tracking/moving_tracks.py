@@ -109,7 +109,7 @@ class MovingTracks:
 
     @property
     def tracks(self) -> list[BodyTrack]:
-        """Return the people and carts: bodies that move, or have moved before they came to rest."""
+        """Return the tracks of people and carts, which are bodies that move now or have moved before."""
         return [self._track_of(body) for body in self._bodies if body.is_person]
 
     @property

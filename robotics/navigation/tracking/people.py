@@ -51,7 +51,7 @@ class People(NamedTuple):
 
     @property
     def rows(self) -> FloatArray:
-        """Table (p, 7) of all people for pictures.
+        """Table (p, 7) of all tracked people, to draw them.
 
         Columns are x, y on the map in [m], the velocity along them in [m/s], and xx, xy, yy of the
         position's covariance in [m²].

@@ -40,7 +40,8 @@ def shares(count: int) -> FloatArray:
 def across(
     half: FloatArray, share: FloatArray, inner: FloatArray, outer: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the first and the last points of lines across a rectangle's edges.
+    """Return the ends of short lines that cross a rectangle's edges at right angles, to search the edges
+    along them.
 
     Args:
         half: (2,) half length and half width of the rectangle, in [m].

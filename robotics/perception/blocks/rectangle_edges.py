@@ -55,8 +55,8 @@ def fit_rectangle(view: PlaneView, size: tuple[float, float], guess: Pose2) -> P
 
     The edges are lines in the plane, fitted to points that are measured to a fraction of a pixel. Lens and
     perspective are corrected in the positions at which the image is sampled; the image is not warped. None if
-    fewer than three edges are found, if they aren't those of a rectangle of the size within 2 mm, or if the
-    area inside isn't of one shade.
+    fewer than three edges are found, if they differ from a rectangle of the given size by more than 2 mm, or
+    if the area inside isn't of one shade.
 
     Args:
         view: image of the plane.

@@ -85,8 +85,9 @@ class Strips(NamedTuple):
         return float(np.median(np.nanmean(part[seen.any(axis=1)], axis=1)))
 
     def seen(self, left: float, right: float, highest: float) -> float:
-        """Return the visible share, 0 to 1, of the area from y `left` to `right` below a height, all in
-        [m].
+        """Return which share, 0 to 1, of an area of the strips is visible.
+
+        The area is from y = `left` to y = `right`, and lower than z = `highest`, in the shelf frame in [m].
         """
         part = self._part(left, right)[self.z < highest]
         return float(np.mean(~np.isnan(part))) if part.size else 0.0

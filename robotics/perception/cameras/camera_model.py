@@ -126,7 +126,8 @@ class CameraModel(NamedTuple):
 
 
 def plane_to_rays(camera_T_plane: FloatArray, x: float = 0.0) -> FloatArray:
-    """Return the homography (3, 3) from (y, z, 1) on a plane, in [m], to rays of the camera frame.
+    """Return the homography (3, 3) that maps a point (y, z, 1) of a plane, in [m], to its ray in the camera
+    frame.
 
     Args:
         camera_T_plane: (4, 4) pose of the plane's frame.

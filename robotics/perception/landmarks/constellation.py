@@ -116,8 +116,9 @@ def explain(
 
 
 def rivals(explanations: Sequence[MarkAssignment]) -> list[MarkAssignment]:
-    """Return the most likely assignment, then all those with another pose of the base that are hardly less
-    likely.
+    """Return the most likely assignment of seen marks to landmarks, then its rivals.
+
+    Rivals are assignments that are hardly less likely, but mean another pose of the base.
 
     Args:
         explanations: assignments, the most likely first.

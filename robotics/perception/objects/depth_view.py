@@ -64,10 +64,12 @@ def depth_view(depth: SingleArray, camera: CameraModel, base_T_camera: Transform
 
 
 def over_surface(view: DepthView, base_T_surface: Transform, size: tuple[float, float]) -> OverSurface | None:
-    """Return the points of a view in the frame of a surface, corrected by the plane that is seen there.
+    """Return the points of a depth picture in the frame of a surface, corrected by the surface's plane as
+    measured.
 
-    The scale of a camera's depths and the pose of a camera on an arm have errors. Both are computed from the
-    plane, because the surface is level and its height is known. None if too little of the surface is seen.
+    The scale of a camera's depths and the pose of a camera on an arm have errors. Both errors are computed
+    from the measured plane, because the surface is level and its height is known. The result is None if too
+    little of the surface is seen.
 
     Args:
         view: points of the picture.

@@ -26,7 +26,7 @@ class NoView(InputError):
 
 
 class Opened(NamedTuple):
-    """A running server with the address of its page."""
+    """A running web server that shows a run in 3D, with the address of its page."""
 
     server: viser.ViserServer
     address: str
