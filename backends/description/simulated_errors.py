@@ -90,6 +90,6 @@ class Errors(FileModel):
 
     @classmethod
     def nowhere(cls) -> Self:
-        """Return these simulated errors with all sizes set to zero."""
+        """Return a description of simulated errors in which the size of each error is zero."""
         sizes = set(cls.model_fields) - {"none", "hand_systematic_wave_m"}
         return cls(none=True, **dict.fromkeys(sizes, 0.0))

@@ -65,7 +65,7 @@ class ActivitySurvey(Survey):
     def misplaced(self) -> Iterator[str]:
         """Yield a message for each thing of the activity that is not where the activity's goal wants it.
 
-        This is on one of given surfaces, or next to another thing.
+        The goal wants a thing on one of some surfaces, or next to another thing.
         """
         file = _file(self.run)
         things = {item.name: item for item in self.run.world.things()}

@@ -35,7 +35,7 @@ class ThingSlot(NamedTuple):
 class FoundSlots(NamedTuple):
     """Poses computed for the things that an activity puts on a piece of furniture.
 
-    It has findings for the user if the surfaces are too small.
+    It also has findings for the user if the things do not fit on its surfaces.
     """
 
     slots: dict[ThingRelation, ThingSlot]

@@ -62,7 +62,7 @@ class BenchFirst(InputError):
 
 @dataclass
 class Ladder:
-    """Sequence of a robot's bring-up steps, with records of the passed ones in a folder."""
+    """Sequence of a robot's bring-up steps, with records of the passed steps in a folder."""
 
     site: RobotSite
     rehearsed: Path | None = None

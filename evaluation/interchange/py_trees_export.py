@@ -20,8 +20,8 @@ Carried = Callable[[str, Mapping[str, Any]], tuple[bool, str]]
 
 @dataclass
 class TreeMemory:
-    """State of a task that all behaviours of its tree share: the present situation, and the Fails of each
-    action.
+    """State of a task that all behaviours of its tree share, with the present situation and the number of
+    Fails of each action.
     """
 
     situation: str

@@ -27,7 +27,9 @@ class ChainEnd(IntEnum):
 
 
 class ChainLinks(NamedTuple):
-    """Transitions between states (rows) of a Markov chain: start, end and probability, as columns (n,)."""
+    """Transitions between states (rows) of a Markov chain, with start, end and probability as columns
+    (n,).
+    """
 
     row: IntArray
     to: IntArray

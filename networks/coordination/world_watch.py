@@ -55,10 +55,9 @@ class WorldWatch:
             self._seen[situation] = self._stood
 
     def changed(self, now: Snapshot) -> Snapshot | None:
-        """Return the snapshot taken after the last action if the robot differs from it now, so was moved by
-        somebody.
+        """Return the snapshot taken after the last action if the robot has moved since then.
 
-        The result is None if nothing has moved, or if no action has ended yet.
+        The result is None if the robot has not moved, or if no action has ended yet.
         """
         if self._stood is None:
             return None

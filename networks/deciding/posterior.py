@@ -88,7 +88,7 @@ class SwitchVerdict(NamedTuple):
     probabilities.
 
     The rule always takes the cheapest route to the goal; a switch is from the rule to the best policy. The
-    draws are from the posterior distribution given the outcomes counted in earlier runs.
+    draws are from the posterior distribution given the outcomes counted so far.
     """
 
     better_share: float

@@ -19,7 +19,9 @@ Conditions = dict[str, Fact | Values]
 
 
 class ConditionEnding(EndingChance):
-    """One of several possible effects of a successful action: new values of facts, and its probability."""
+    """One of several possible effects of a successful action, with the new values of facts and the
+    probability of this effect.
+    """
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Fact] = Field(init=False)

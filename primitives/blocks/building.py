@@ -54,7 +54,9 @@ class Table(LevelPose):
 
 
 class Building(FileModel):
-    """File with a building plan: the blocks that a robot stacks, their goal poses, tables and landmarks."""
+    """File with a building plan, with the blocks that a robot stacks, their goal poses, tables and
+    landmarks.
+    """
 
     format: Literal["handcart-building/1"]
     block_mm: tuple[Positive, Positive, Positive]

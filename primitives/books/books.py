@@ -33,8 +33,8 @@ class Slot(NamedTuple):
     """y of the sides of books to the left of the slot, including the slot's own left side, in [m]."""
 
     def moved(self, y: float) -> Slot:
-        """Return the slot moved along the shelf by `y` in [m], positive to the left, with the sides of its
-        neighbours.
+        """Return the slot moved along the shelf by `y` in [m], positive to the left, together with the
+        neighbours' sides that bound it.
         """
         sides = tuple(side + y for side in self.sides)
         return self._replace(left=self.left + y, right=self.right + y, sides=sides)

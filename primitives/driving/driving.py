@@ -221,8 +221,8 @@ class ObstacleMonitor:
         return LikelihoodField(self._grid)
 
     def unexpected(self, robot: Robot) -> FloatArray:
-        """Return the points (n, 2) of this period's scan that hit nothing on the map, in its frame, in
-        [m].
+        """Return the points (n, 2), on the map in [m], where this period's scan hit something not on
+        the map.
         """
         points = robot.pose.apply(robot.range_sensor.scan().points())
         return unexpected_points(points, self._field, MAP_MATCH_TOLERANCE_M)

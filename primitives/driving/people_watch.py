@@ -27,7 +27,9 @@ NEAR_PERSON_M = 0.3  # from a person's body, within which what was sensed is the
 
 
 class BeamOrder(NamedTuple):
-    """Order of a lidar's beams by angle: sorted indices, and the sorted angles rounded to equal spacing."""
+    """Order of a lidar's beams by angle, as sorted indices, and their sorted angles rounded to equal
+    spacing.
+    """
 
     order: IntArray
     angles: FloatArray

@@ -126,7 +126,7 @@ class Section:
 
     def names(self) -> Mapping[str, Collection[object] | None]:
         """Return the names of things that this section's files define, by kind, such as the names of all
-        doors.
+        objects.
 
         A primitive's parameter annotated with `Names(KIND)` has to be one of the names of this kind, and
         `{all: KIND}` in a task file is replaced by all of them. The names of a kind are None if the file that

@@ -78,7 +78,9 @@ def cause_of(error: Exception, restoring: bool) -> Cause:
 
 
 def kind_of(error: Exception) -> CauseKind:
-    """Return the kind of cause that an exception represents."""
+    """Return the kind of cause to which an exception that ended a motion is attributed, such as a code
+    error.
+    """
     if isinstance(error, Discrepancy | NeedsPerson):
         return error.cause
     return next((kind for of, kind in CAUSES_OF_EXCEPTIONS if isinstance(error, of)), causes.CODE_ERROR)

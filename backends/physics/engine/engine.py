@@ -92,8 +92,8 @@ class Engine(ABC):
     @property
     @abstractmethod
     def pinned(self) -> Pinned | None:
-        """Rigid connection that at present fixes one body to another (such as a held thing to the hand); None
-        without.
+        """Rigid connection that fixes one body to another, such as a held thing to the hand; None without
+        one.
         """
 
     def parts(self) -> Sequence[int]:

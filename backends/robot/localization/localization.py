@@ -96,7 +96,7 @@ class Localization(ABC):
 
     @property
     def can_relocate(self) -> bool:
-        """True if the pose can be given up and searched again on the map, which takes a map and a lidar."""
+        """True if the robot has a map and a lidar, so that a lost pose can be searched again on the map."""
         return self.map_field is not None and isinstance(self._range_sensor, Lidar)
 
     @property

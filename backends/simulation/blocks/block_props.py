@@ -28,7 +28,7 @@ class BlocksSection(FileModel):
 
 
 class BlockProps(Props[BlocksSection]):
-    """Blocks of a simulated world: a person puts them down before the run, and the robot stacks them."""
+    """Blocks of a simulated world that a person puts down before the run, and that the robot stacks."""
 
     section = BlocksSection
     STATE: ClassVar[Kinds] = {"blocks": dict[str, Block]}

@@ -197,8 +197,8 @@ class SimulatedHand:
         return np.asarray(force * min(1.0, FORCE_CAP / size) if size > 0.0 else force)
 
     def carry(self, start: FloatArray) -> FloatArray:
-        """Move the held object with the hand, as far as the object's application domain allows it, such as
-        the neighbours of a book.
+        """Move the held object with the hand, as far as the rule of the object's application domain allows
+        it.
 
         Args:
             start: (n,) joints at the start of the period, in [rad] or [m].

@@ -30,7 +30,9 @@ class StationSpec(FileModel):
 
 
 class FieldSection(FileModel):
-    """Keys of a world's file about seismic sensors: those in the robot's magazine, and the total station."""
+    """Keys of a world's file about the seismic sensors in the robot's magazine, and about the total
+    station.
+    """
 
     sensors: SeismicSensorSpec | None = None
     """Sensors in the robot's magazine."""

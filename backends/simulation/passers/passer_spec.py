@@ -57,7 +57,7 @@ class PasserSpec(FileModel):
 
     @property
     def members(self) -> tuple[str, ...]:
-        """Names of all members of a group that walks together: the passer that the file describes, and its
-        companions.
+        """Names of all members of a group that walks together, which are the passer that the file describes
+        and its companions.
         """
         return (self.name, *(f"{self.name} {number}" for number in range(2, len(self.group_m) + 2)))

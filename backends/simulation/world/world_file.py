@@ -131,7 +131,8 @@ class SkySpec(FileModel):
 
 
 class BeaconsThere(FileModel):
-    """True errors of the radio beacons in a simulated world: moved positions and drifting biases of ranges.
+    """True errors of the radio beacons in a simulated world, which are moved positions and drifting biases of
+    ranges.
 
     The robot does not know them, because the robot's file does not contain them.
     """

@@ -46,7 +46,9 @@ class LearnedOdds:
         self.rest_s = float(seen.rest_s.mean())
 
     def unknown(self, entry: int) -> bool:
-        """Return whether an action of the task's file was never started in the trials learned from."""
+        """Return whether an action of the task's file was never started in the trials from which the
+        probabilities were learned.
+        """
         return not self._known[entry]
 
     def ends(self, action: Int32Array, context: Int32Array, drawn: FloatArray) -> Int8Array:

@@ -58,8 +58,8 @@ HARMLESS_FAULTS = (
 
 @dataclass(frozen=True)
 class Fault:
-    """Fault to be injected into a simulation: of a sensor, of a part of the robot, or of the world
-    around it.
+    """Fault of a sensor, of a part of the robot, or of the world around it, to be injected into a
+    simulation.
     """
 
     kind: FaultKind

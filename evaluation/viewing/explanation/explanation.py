@@ -59,8 +59,8 @@ class Explanation:
 
     @property
     def causes(self) -> Sequence[Mapping[str, Any]]:
-        """Causes recorded in the journal: why the action's motion ended, then why the return to its start
-        state ended.
+        """Causes recorded in the journal, first of the end of the action's motion, then of the end of the
+        return to its start state.
         """
         return tuple(self.action.result.get("cause", ())) if self.action else ()
 

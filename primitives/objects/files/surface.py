@@ -120,7 +120,7 @@ class ObjectSurface(LevelPose):
                 yield Box(self.pose @ transform((0.0, off, middle)), (self.size_m[0], thick, high), name)
 
     def contact_names(self, name: str) -> tuple[str, ...]:
-        """Return the names, in simulated worlds, of the bodies that an object on this surface rests on.
+        """Return the names, in simulated worlds, of the bodies on which an object on this surface may rest.
 
         Args:
             name: name of the surface.

@@ -14,7 +14,7 @@ _ROUNDING = 1e-9
 
 
 class LimitUse(NamedTuple):
-    """Speed and torque at each set-point, as fractions of the joints' limits (1: at the limit)."""
+    """Speed and torque at each set-point, as fractions of the joints' limits, with 1 at the limit."""
 
     speed: FloatArray
     """Joint speeds (k, n) as shares of their limits."""

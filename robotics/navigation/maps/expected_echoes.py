@@ -16,9 +16,8 @@ CELLS_PER_STEP = 32
 
 
 class ExpectedEchoes(NamedTuple):
-    """For each beam of a lidar at a given pose, the occupied cell of the map that it should meet first.
-
-    The range of that cell is included.
+    """Occupied cell of the map that each beam of a lidar at a given pose should meet first, with its
+    range.
     """
 
     met: BoolArray

@@ -142,7 +142,7 @@ def unknown_read_as_free(image: ByteArray, free_thresh: float, negate: bool = Fa
 
 
 class FloorBox(NamedTuple):
-    """Rectangle on the floor occupied by a box: centre (`x`, `y`) and sides in [m], yaw in [rad]."""
+    """Rectangle on the floor occupied by a box, with centre (`x`, `y`) and sides in [m], and yaw in [rad]."""
 
     x: float
     y: float

@@ -11,8 +11,8 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class FilterRequest(Enum):
-    """Request to an outdoor filter between two steps: mark the moment for the smoother, or measure
-    displacement from here on.
+    """Request to an outdoor filter between two of its steps, to mark the moment for the smoother, or to
+    measure displacement from that moment.
     """
 
     MARK = "mark"

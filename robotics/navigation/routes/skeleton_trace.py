@@ -20,7 +20,7 @@ LINK_COUNTS = np.array([code.bit_count() for code in range(256)], dtype=np.uint8
 
 
 class SkeletonTrace(NamedTuple):
-    """Graph traced along the skeleton (centre lines) of a grid's area: nodes, and edges as sequences of
+    """Graph traced along the skeleton (centre lines) of a grid's area, with nodes, and edges as sequences of
     cells.
 
     A cell is given by its index, row * width + column.

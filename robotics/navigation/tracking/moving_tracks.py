@@ -85,7 +85,7 @@ class _Body:
 
 
 class TrackedScan(NamedTuple):
-    """Result of tracking people and carts: a scan's points on moving bodies, and the ground that bodies have
+    """Result of tracking people and carts, with a scan's points on moving bodies, and the ground that they
     left.
     """
 
