@@ -61,8 +61,8 @@ class DrawnPrices:
 
         In states without a step in the policy, a person is called. The linear equations of the states' prices
         are solved by elimination for all draws at once, successors first: each price in a state's equation is
-        replaced by the equation of that price. The system stays sparse, because the number of Fails in a
-        state never decreases along a run.
+        replaced by the equation of that price. The system stays sparse, because a state's counts of Fails and
+        renewals never decrease along a run.
         """
         if policy.start not in policy.steps:
             return np.full(len(self._draws), self._process.stop_price(policy.start.situation))
