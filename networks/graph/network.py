@@ -184,8 +184,7 @@ class Action:
         return None if self.p is None else self.p + sum(other.p or 0.0 for other in self.others)
 
     def further(self, with_chances: bool) -> tuple[object, ...]:
-        """Return the data of this action that planning uses besides its situations, cost and number of
-        attempts.
+        """Return what planning uses of this action besides situations, cost and number of attempts.
 
         They are the situations after other results and after Fails of certain causes, and the rules for
         shared, renewed or unlimited attempts, as far as the action has any; with chances also probabilities.

@@ -194,8 +194,7 @@ class WorldModel:
     def measuring(
         self, robot: Robot, place: str, report: Callable[..., None]
     ) -> Generator[None, None, bool] | None:
-        """Return a generator that measures the object in front of which a place is, such as a door; None if
-        the place belongs to no object that can be measured.
+        """Return a generator that measures the object before a place, such as a door; None if there is none.
 
         Args:
             robot: the robot.
@@ -206,9 +205,7 @@ class WorldModel:
         return next((steps for steps in found if steps is not None), None)
 
     def clear_element(self) -> None:
-        """Clear what was learned about one element of a list, because the task's `repeat` goes on to the next
-        element.
-        """
+        """Clear what was learned about one element before the task's `repeat` turns to the next one."""
         self.detour = None
         for section in self.sections.values():
             section.forget_element()
@@ -250,9 +247,7 @@ class WorldModel:
 
     @classmethod
     def entry_types(cls) -> dict[str, Any]:
-        """Return the type of each entry (named piece of knowledge) of the world model, including those of all
-        domains.
-        """
+        """Return the type of each entry (named piece of knowledge) of the model, also of all domains."""
         found = {name: kind for name, kind in types_of(cls).items() if name in cls.ENTRIES}
         for section in sections().values():
             found |= {name: types_of(section)[name] for name in section.entries()}
@@ -266,8 +261,7 @@ class WorldModel:
 
     @classmethod
     def type_of(cls, path: str) -> Any:
-        """Return the annotated type of the value at a path in the world model, such as `cup.size`, without
-        None.
+        """Return the type of the value at a path in the world model, such as `cup.size`; None is removed.
 
         Raises:
             UnknownFact: the path names no entry of the world model.
@@ -312,9 +306,7 @@ class WorldModel:
         self._noted = self._now()
 
     def taken_changes(self) -> dict[str, Any]:
-        """Return the entries of the world model that were learned or cleared since the last call, ready for
-        JSON.
-        """
+        """Return the entries of the model learned or cleared since the last call, ready for JSON."""
         now = self._now()
         if now == self._noted:
             return {}
@@ -359,16 +351,12 @@ class ModelView:
         object.__setattr__(self, "_part", model if part is None else part)
 
     def of(self, kind: type[SectionT]) -> SectionT:
-        """Return a view of the model's part for one domain (a kind of work), restricted to the entries that
-        the primitive of this view declares.
-        """
+        """Return a view of a domain's part of the model, with the entries that this primitive declares."""
         model = self.__dict__["_model"]
         return cast(SectionT, ModelView(model, self.__dict__["_primitive"], model.of(kind)))
 
     def companion(self, robot: Robot, place: str) -> Companion | None:
-        """Return the motion that the arm makes while the base drives to a place; None if the arm does not
-        move then.
-        """
+        """Return the arm's motion while the base drives to a place; None if the arm does not move then."""
         found: Companion | None = self.__dict__["_model"].companion(robot, place)
         return found
 
@@ -384,8 +372,7 @@ class ModelView:
     def measuring(
         self, robot: Robot, place: str, report: Callable[..., None]
     ) -> Generator[None, None, bool] | None:
-        """Return a generator that measures the thing, such as furniture, in front of which a place is; None
-        if it can't be measured.
+        """Return a generator that measures the object before a place, such as a door; None if there is none.
 
         Args:
             robot: the robot.
