@@ -182,7 +182,10 @@ class FieldSurvey(Survey):
         self._as_laid = write_as_laid(prepared, folder)
 
     def draw(self, folder: Path) -> None:
-        """Draw plots of the laid sensors' errors into a run's folder, if a simulated run has laid any."""
+        """Draw plots of how far laid sensors are from where the robot believes them, into a run's folder.
+
+        Nothing is drawn for a run without a simulated world, or if no sensor was laid.
+        """
         if self._as_laid and self._scene is not None:
             from .as_laid_plots import draw_as_laid
 

@@ -256,7 +256,7 @@ class ActionNetwork:
         goal: str,
         otherwise: tuple[str, ...] = (),
     ) -> ActionNetwork:
-        """Build a network of situations and actions; raises `NetworkError` if they are invalid."""
+        """Build a network; raise `NetworkError` if it is invalid. `otherwise` lists next-best goals."""
         every = list(situations)
         known = {situation.name: situation for situation in every}
         numbered = _numbered(actions)

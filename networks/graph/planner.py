@@ -82,7 +82,7 @@ class Planner:
         self._reasons.clear()
 
     def fails(self, action: Action) -> int:
-        """Return the number of Fails counted for an action, or for all actions that share its attempts."""
+        """Return the Fails that count for an action, including those of actions that share its attempts."""
         return action.allowance.fails(self.counts.get(action.counter, 0))
 
     def failed(self, action: Action, reason: str, *, permanent: bool = False) -> None:
@@ -96,7 +96,10 @@ class Planner:
         self._reasons[action.index] = times + 1, reason
 
     def hoped(self, action: Action) -> None:
-        """Count a Success of an action as a Fail, because the plan leads on only by a Fail of the action."""
+        """Count a Success as one more Fail of the action, so that attempts run out.
+
+        To be called if the plan needed the action to Fail, because only its `on_fail` leads to the goal.
+        """
         Planner.failed(self, action, "it succeeded, and its Fail was needed")
 
     def succeeded(self, action: Action) -> bool:

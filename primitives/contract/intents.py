@@ -14,9 +14,7 @@ class Intents:
         """Announce an effect that is about to begin, such as the fingers closing on something."""
 
     def passed(self, what: str) -> None:
-        """Announce that the running action has passed its point of no return, after which it cannot be
-        undone.
-        """
+        """Announce to the journal that the running action can't be undone any more, with `what` as reason."""
 
     @property
     def kept(self) -> bool:

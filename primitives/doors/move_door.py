@@ -79,7 +79,7 @@ class MoveDoor(ActionPrimitive):
 
     @abstractmethod
     def expected_opening(self, model: ModelView) -> float:
-        """Return the expected opening of the door, in [rad] if hinged, in [m] if sliding."""
+        """Return the present opening of the door by the model, in [rad] if hinged, in [m] if sliding."""
 
     @abstractmethod
     def span(self, model: ModelView, joint: DoorJoint, seen: Transform) -> tuple[float, float]:

@@ -52,7 +52,7 @@ class Magazine(PropsBody):
             sensor.rest, self._given = Rest.HAND, 0
 
     def act(self) -> None:
-        """Keep the next sensor at its place in the magazine while the robot moves."""
+        """Keep the sensor that will be laid next at its place in the magazine while the robot moves."""
         sensor, (engine, body, world, *_) = self._waiting(), self.pieces
         if sensor is not None and sensor.name in world.bodies:
             pose = body.base_pose() @ sensor.base_T_thing @ sensor.thing_T_middle

@@ -105,8 +105,9 @@ class HeardRobot:
         return self.link.meters[topic].last
 
     def sensors(self) -> Iterator[tuple[str, TopicSensor]]:
-        """Yield each topic with sensor readings, preceded by the key of its description in the section
-        `ros2`.
+        """Yield pairs: a key in the section `ros2` of the robot's file, and the topic that it describes.
+
+        Only topics with readings of sensors are yielded.
         """
         keys = {id(getattr(self.spec, key)): key for key in type(self.spec).model_fields}
         keys |= {id(camera): "cameras" for camera in self.spec.cameras.values()}

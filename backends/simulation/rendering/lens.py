@@ -22,8 +22,9 @@ class Lens:
 
     Each pixel looks along the ray that `CameraModel.undistort` returns for it. `K` (3, 3) and `size` (width,
     height) in [px] belong to the ideal picture, which is larger to hold the rays of all pixels. Light falls
-    off across the picture in a direction drawn from the seed. Noise is cut from one tile of Gaussian noise
-    at an offset that depends on the period: pixels are independent, and two periods differ by a shift.
+    off across the picture in a direction drawn from the run's seed. Noise is cut from one tile of Gaussian
+    noise at an offset that changes with each control period: pixels of a picture are independent, and the
+    noise of two pictures differs by a shift.
     """
 
     def __init__(self, camera: CameraModel, errors: Errors, seed: int) -> None:

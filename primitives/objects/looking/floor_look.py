@@ -39,7 +39,7 @@ def look_at_floor(
     released: FloatArray,
     looks: FloorLook,
 ) -> Generator[None, None, FloorSeen]:
-    """Look at the floor below the place where an object was released; return whether it is known to be free.
+    """Look at the floor below the place where an object was released; return what is known of the floor.
 
     Args:
         robot: robot with an empty hand.
@@ -47,7 +47,8 @@ def look_at_floor(
         evidence: receives the picture.
         name: name of the object.
         released: (3,) position of the object's foot when it was let go, in the base frame, in [m].
-        looks: `plain` if anything with an edge on the floor is the object; otherwise only its tags count.
+        looks: "plain" if anything with an edge on the floor is taken for the object; otherwise only the
+            object's tags count.
 
     Raises:
         NeedsPerson: the object lies there.

@@ -35,8 +35,9 @@ def _within(ux: float, uz: float, vx: float, vz: float, cos: float, sin: float, 
 def pitch_arm_table(
     stands: FloatArray, marks: FloatArray, arm: FloatArray, measure: int, limits: FloatArray
 ) -> tuple[SingleArray, BoolArray]:
-    """Return the scores (p, b) of a path's points for base poses, and a mask (p, b), True where a point is
-    usable.
+    """Return the scores (p, b) of a path's points for base poses, higher is better, and a mask (p, b).
+
+    The mask is True where the arm reaches the point within its joint limits and within `limits`.
 
     Args:
         stands: (b, 4) x and y of the yaw axis in the world, in [m]; cosine and sine of the base's heading.
@@ -44,9 +45,9 @@ def pitch_arm_table(
             cosine, sine and rate in [rad/m] of the tool's elevation; returned by `PitchArm.marks`.
         arm: (12,) shoulder height and three link lengths in [m]; cosines of the yaw limit and of the azimuth
             tolerance; lower and upper limit of each pitch joint in [rad].
-        measure: number of the `Measure`.
-        limits: (3, 4) rows of low and high limits in [m], and of 2 / (high - low) in [1/m], for yaw and
-            pitch joints.
+        measure: what is scored, as a number of the enumeration `Measure`.
+        limits: (3, 4) for the yaw joint and three pitch joints: rows `low` and `high` of a `ScoreRule`, which
+            limit the lever of the tool's force about the joint, in [m], and 2 / (high - low), in [1/m].
     """
     height, l1, l2, l3 = arm[0], arm[1], arm[2], arm[3]
     cos_yaw, cos_azimuth, turns = arm[4], arm[5], arm[6:12]
