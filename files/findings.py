@@ -32,6 +32,6 @@ class Findings:
         return len(self._findings)
 
     def raise_all(self) -> None:
-        """Raise `FileError` with everything collected, if there is anything."""
+        """Raise `FileError` with all findings collected so far, if there are any."""
         if self._findings:
             raise FileError(self._findings)

@@ -31,7 +31,7 @@ class CanGripper(CommandedGripper):
         self._command = min(max(0.0, self._axis.position), self._spec.opening_mm / 1e3)
 
     def holds(self, width: float) -> None:
-        """Set the last command to a width in [m], without sending it."""
+        """Set the commanded opening of the fingers, in [m], without sending it to the drive."""
         self._command = width
 
     @override

@@ -50,7 +50,7 @@ class DriveCommand(NamedTuple):
 
     @property
     def along(self) -> float:
-        """Speed along `direction`, in [m/s]; negative for straight back."""
+        """Speed in the direction of travel (`direction`), in [m/s]; negative for driving straight back."""
         return math.hypot(self.speed, self.sideways) if self.sideways else self.speed
 
     @classmethod

@@ -46,7 +46,7 @@ class DoorTag(FileModel):
         frame: x right, y up, z away from the door's front.
 
         Args:
-            standoff: distance from the front of the door to the middle of the bar, in [m].
+            standoff: distance from the front of the door to the middle of the handle's bar, in [m].
         """
         beside = (-standoff, self.right_mm / 1e3, self.up_mm / 1e3)
         return transform(beside, FACE_TURNS["+x"])

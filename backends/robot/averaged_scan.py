@@ -16,7 +16,7 @@ MIN_WEIGHT = 0.1  # of the latest scan: a slowly approaching obstacle must not b
 
 
 class AveragedScan:
-    """Running average of a lidar's ranges, beam by beam, while the base hardly moves.
+    """Running average of a lidar's ranges, beam by beam, while the base moves less than a few millimetres.
 
     Without averaging, the ranges' noise would make the base creep when an obstacle stops it.
     """
@@ -36,7 +36,8 @@ class AveragedScan:
     def take(self, scan: Scan) -> Scan:
         """Add a scan to the running average, and return the scan with averaged ranges (n,), in [m].
 
-        The same scan is added only once. A range that is far from its beam's average is not averaged.
+        The same scan is added only once. A range `SAME_SURFACE_M` or more from its beam's average is returned
+        as it is.
         """
         pose = self._pose()
         apart = pose.distance(self._began) > SAME_POSE_M or pose.turn(self._began) > SAME_POSE_RAD

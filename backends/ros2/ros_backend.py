@@ -155,7 +155,7 @@ class RosBackend(Backend):
         """Send the commands, wait for the end of the period, and read what has arrived.
 
         Raises:
-            RosFault: a fault was found, in this step or an earlier one.
+            RosFault: a fault of the connection or the robot was found, in this step or an earlier one.
             StaleSensor: no new messages of the odometry or the joints arrive.
         """
         self._pass_period(send=True)
@@ -192,7 +192,7 @@ class RosBackend(Backend):
         `handcart bringup` uses it to test whether the base stops by itself.
 
         Raises:
-            RosFault: a fault was found, in this period or an earlier one.
+            RosFault: a fault of the connection or the robot was found, in this period or an earlier one.
             StaleSensor: the odometry or the joints are silent.
         """
         self._pass_period(send=False)

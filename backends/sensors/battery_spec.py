@@ -15,7 +15,7 @@ NotNegative = Annotated[float, Field(ge=0.0)]
 
 
 class ChargerSpec(FileModel):
-    """Description of a charger, which charges the battery while the base is close to it."""
+    """Description of a charger, which charges the battery while the base is within `within_mm` of it."""
 
     x_m: float
     y_m: float

@@ -234,7 +234,7 @@ _PACKAGES = "an installed Python package, or one in AMENT_PREFIX_PATH, ROS_PACKA
 
 
 class UrdfText(NamedTuple):
-    """Text of a URDF without grave faults, and the minor faults found in it."""
+    """Text of a usable URDF, and the minor faults found in it, which do not prevent its use."""
 
     text: str
     doubts: Sequence[Finding]

@@ -29,7 +29,7 @@ class SourcePlace(NamedTuple):
     column: int
 
     def finding(self, message: str) -> Finding:
-        """Return a finding at this place."""
+        """Return a finding with a message, at this place in the URDF file."""
         return Finding(self.file, self.line, self.column, message)
 
 

@@ -59,7 +59,7 @@ class Shelving:
     """x of each standing book's spine in the frame of its shelf, by accession number, in [m]."""
 
     def judge(self, books: BookProps) -> ShelvedBooks:
-        """Return how well the books to return are shelved in the present state of the shelves."""
+        """Return how well the books that the robot has to return (`accessions`) are shelved at present."""
         pushed = self._pushed(books)
         each = [self._judge(books, number, pushed) for number in self.accessions]
         return ShelvedBooks(

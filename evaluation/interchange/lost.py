@@ -21,7 +21,7 @@ class LostConstruct(NamedTuple):
     """Replacement in the task."""
 
     def finding(self, file: str) -> Finding:
-        """Return a finding about the construct, at its place in a file."""
+        """Return a finding that a task cannot express this construct, at its place in the imported file."""
         return Finding(file, self.line, self.column, f"{self.construct} is not expressed; {self.meaning}")
 
 

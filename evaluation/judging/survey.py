@@ -109,8 +109,8 @@ Effect = Callable[[Any, Claim], list[str]]
 class Survey(ABC):
     """Base class of surveys, observers that evaluate a run by the ground truth and change nothing.
 
-    A survey that raises an exception is removed for the rest of the run and reported in `untrue`; the run
-    continues.
+    A survey that raises an exception is removed for the rest of the run; the run continues. The exception is
+    reported in the run's metric `untrue`, the list of outcomes that the ground truth contradicts.
     """
 
     name: ClassVar[str]

@@ -27,7 +27,7 @@ def draw_replay(replayed: Replayed, path: Path, title: str) -> None:
     """Draw a replay: track, claimed uncertainty, fixes, reference and particles, and errors over time.
 
     Args:
-        replayed: the replay.
+        replayed: result of running a localizer on a log of recorded readings.
         path: an .svg, .png or .pdf file.
         title: title of the chart.
 

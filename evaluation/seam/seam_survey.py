@@ -149,7 +149,8 @@ class SeamSurvey(Survey):
         }
 
     def faults(self) -> list[str]:
-        """Return a message if a part of the seam was not tracked, or if the tool was too far off the seam.
+        """Return messages if a part of the seam was not tracked, or if the tool was off the seam by more than
+        the limit in `limits`.
 
         Both contradict the Success of the complete run.
         """

@@ -35,7 +35,7 @@ class NoSuchPlace(InputError):
 
 @dataclass(frozen=True)
 class RigFiles:
-    """World, map and knowledge files for a robot without a task (default: the library of return_book)."""
+    """World, map and knowledge files for a robot without a task (default: those of the task return_book)."""
 
     world: Path = LIBRARY_FOLDER / "world.yaml"
     map: Path | None = LIBRARY_FOLDER / "map.yaml"

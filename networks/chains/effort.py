@@ -58,5 +58,5 @@ class Effort:
         return self.part(0.5)
 
     def part(self, share: float) -> Effort:
-        """Return a part of this budget: the given share (0 to 1) of the steps left."""
+        """Return a part of this budget: the given share (0 to 1) of the steps of search that are left."""
         return Effort((self._most - self._spent) * share, whole=self)

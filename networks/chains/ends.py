@@ -25,7 +25,7 @@ class Ends(NamedTuple):
     """The run comes to a state that was not looked at."""
 
     def after(self, step: Moments) -> Ends:
-        """Return the ends of runs that make a step before they enter this part of the network.
+        """Return the probabilities and costs of these ends, for runs that first make a step before this part.
 
         Args:
             step: probability and cost of the step.

@@ -37,7 +37,7 @@ class FlowStates(NamedTuple):
         return np.asarray(self.mass[:, ::3].sum(axis=1))
 
     def at(self, chosen: IntArray) -> FlowStates:
-        """Return only the states in the rows with the given numbers (m,)."""
+        """Return a selection of these states: the m states at the indices `chosen` (m,)."""
         return FlowStates(self.counts[chosen], self.place[chosen], self.mass[chosen])
 
 

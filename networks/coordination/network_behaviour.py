@@ -74,7 +74,7 @@ class NetworkBehaviour(Behaviour):
         return Status.RUNNING
 
     def terminate(self, new_status: Status) -> None:
-        """Stop the robot if the tree interrupts this behaviour."""
+        """Stop the robot if the behaviour tree interrupts this behaviour (`new_status` is INVALID)."""
         if new_status is Status.INVALID and self._run is not None:
             self._robot.stop()
 

@@ -271,7 +271,7 @@ class Supervision:
 
 
 def come_to_rest(robot: Robot) -> Generator[None, None, None]:
-    """Wait until nothing moves any more, or until a reading fails."""
+    """Wait until base, arm and gripper are at rest by their readings; give up at a time-out or an error."""
     with suppress(Exception):  # the run ends with an error of its own; a second one would hide it
         yield from settle(robot)
 

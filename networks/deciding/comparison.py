@@ -65,7 +65,7 @@ class PolicyComparison:
         return self.best.name == "goal_probability"
 
     def for_programs(self) -> dict[str, Any]:
-        """Return the comparison as `handcart check --json` prints it."""
+        """Return the comparison as JSON values, which `handcart check --json` prints."""
         return {
             "rule": _plain(self.rule),
             "best": _plain(self.best),

@@ -81,7 +81,7 @@ def to_png(network: ActionNetwork, title: str = "") -> bytes:
 
 
 def to_pdf(network: ActionNetwork, title: str = "") -> bytes:
-    """Return the network as PDF of one page."""
+    """Return the drawing of a network, below its title, as the bytes of a PDF file of one page."""
     from .figure import to_pdf as written
 
     return written(draw_network(network, title=title))

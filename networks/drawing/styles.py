@@ -43,7 +43,7 @@ _BOXES = {
 
 
 def style_of_box(box: DrawnBox) -> BoxStyle:
-    """Return the style of a box, by its kind."""
+    """Return colours and edge of a situation's or action's box in the drawing of a network, by its kind."""
     return _BOXES[box.kind]
 
 

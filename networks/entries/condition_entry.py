@@ -94,8 +94,8 @@ class ConditionEntry(TaskEntry):
 
     @property
     def fail_entries(self) -> dict[str, ConditionFail]:
-        """Facts that the robot knows after a Fail of the action, by cause, for each cause under the key
-        `on_fail`.
+        """Facts that the robot knows after a Fail of the action, by cause, for each cause that the key
+        `on_fail` names (not for `OTHER_CAUSES`).
         """
         return {cause: fail for cause, fail in self.fails.items() if cause != OTHER_CAUSES}
 

@@ -103,7 +103,7 @@ class FactSpace:
         return ", ".join(self._words(name, value) for name, value in stated)
 
     def words(self, conditions: Mapping[str, object]) -> str:
-        """Return conditions as text, in the form of a situation's name."""
+        """Return conditions (values by the facts' names) as text with commas, like a situation's name."""
         return ", ".join(self._words(name, value) for name, value in conditions.items())
 
     def _words(self, name: str, value: object) -> str:
@@ -131,7 +131,7 @@ class FactSpace:
     # What is wrong, by keys in the file
 
     def faults(self) -> Faults:
-        """Yield the faults of the facts' names and of their possible values, such as a value listed twice."""
+        """Yield faults in the names and values of a task file's facts, such as a value listed twice."""
         for key, names in (("facts", self.facts), ("known", self.known)):
             for name, values in names.items():
                 if name in RESERVED_NAMES:

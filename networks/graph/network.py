@@ -180,7 +180,7 @@ class Action:
 
     @property
     def p_success(self) -> float | None:
-        """Probability that the action ends in Success, in whichever situation; None if it is unknown."""
+        """Probability that the action ends in Success, whichever situation follows; None if it is unknown."""
         return None if self.p is None else self.p + sum(other.p or 0.0 for other in self.others)
 
     def further(self, with_chances: bool) -> tuple[object, ...]:

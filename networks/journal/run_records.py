@@ -284,7 +284,7 @@ _COMMON = TypeAdapter(_Common)
 
 
 def makes_sense(record: dict[str, Any]) -> str:
-    """Return the fault of an inconsistent record; empty if the record is valid."""
+    """Return what is wrong with a record read from a journal, as text; empty if the record is valid."""
     kind = RECORD_VALIDATORS.get(record["kind"]) if isinstance(record["kind"], str) else None
     if kind is None:
         return f"no such kind; allowed: {', '.join(RECORD_VALIDATORS)}"

@@ -67,7 +67,7 @@ def ask(folder: Path, message: Mapping[str, Any], patience: float = ANSWER_TIMEO
 
 
 def tell_to_stop(folder: Path) -> None:
-    """Ask the running program of a folder to stop the robot at once; returns before the run has ended."""
+    """Ask the program that records its run in a folder to stop the robot at once; do not wait for the end."""
     try:
         with (
             socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as line,

@@ -104,7 +104,7 @@ class PastRun:
         return next((action for action in reversed(self.actions) if action.fails), None)
 
     def before(self, action: PastAction) -> Iterator[Record]:
-        """Yield the records before the action's START."""
+        """Yield the journal's records before the record START of an action, in the journal's order."""
         for record in self.records:
             if record["kind"] == "START" and record["n"] == action.number:
                 return

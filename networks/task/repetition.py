@@ -24,7 +24,9 @@ class NotRepeated(ValueError):
 
 
 class UnknownElement(LookupError):
-    """Error: `{each: NAME.KEY}` names a missing element or key; the message says what exists."""
+    """Error for a reference `{each: NAME.KEY}` in a task's file to an unknown element of a list, or to a key
+    that the element lacks; the message names the known ones.
+    """
 
 
 def found_in(each: str, element: Element | None) -> tuple[KeyPath, Any]:
@@ -122,7 +124,7 @@ class Repetition:
 
         Args:
             name: name of the situation in the file.
-            number: number of the element, from 0.
+            number: number, from 0, of the element in the list over which the part is repeated.
         """
         return f"{name}[{number + 1}]"
 

@@ -174,7 +174,7 @@ class PickUp(TreePrimitive):
         yield
 
     def watch(self, robot: Robot, model: ModelView) -> None:
-        """Raise a Discrepancy if the book slips out of the hand."""
+        """Raise a Discrepancy if the fingers no longer press on the book that they hold."""
         if self._held:
             watch_grip(robot, model.of(Books).book)
 

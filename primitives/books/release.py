@@ -192,8 +192,8 @@ class Release(HeldBookPrimitive):
     def finish(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """Finish an action that was interrupted after the fingers began to open.
 
-        The hand is pulled back and the arm put away. After a fault, the book is first pushed fully into its
-        slot.
+        The hand is pulled back and the arm moved to its posture `home`. If a fault of the robot interrupted
+        the action, the book is first pushed fully into its slot.
 
         Returns:
             True if the book was pushed fully into its slot and its label was read there.

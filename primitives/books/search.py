@@ -94,7 +94,9 @@ class Search(ActionPrimitive):
     _last: HandView | None = PrivateAttr(default=None)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return why the search can't begin: the hand holds an object other than the recognized book."""
+        """Return that the search can't begin because the hand holds another object than the recognized book;
+        empty if it can.
+        """
         return unlike_book(robot, model) if is_holding(robot) else ""
 
     @override

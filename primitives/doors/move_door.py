@@ -195,7 +195,7 @@ class MoveDoor(ActionPrimitive):
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """Play the motion backwards, which brings the door back before the fingers open."""
+        """Repeat the robot's motions backwards, which moves the door back before the fingers open."""
         self._held = False
         yield from retrace(robot, start, trace)
         if self._states_before is not None:

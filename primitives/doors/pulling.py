@@ -40,7 +40,7 @@ BIAS_PERIODS = 5
 
 
 class PullEnding(Enum):
-    """Reason why a pull ended."""
+    """Reason why the motion of a door's handle by the hand ended."""
 
     REACHED = "reached"
     RESISTED = "resisted"

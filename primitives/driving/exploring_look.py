@@ -46,8 +46,8 @@ class FrontierGoal(NamedTuple):
     """x and y of the middle of the frontier on the growing map, in [m]."""
 
     def is_same(self, other: FrontierGoal) -> bool:
-        """Return whether two frontiers (borders between known and unknown ground) are so close that they
-        count as one.
+        """Return whether two frontiers (borders between known and unknown ground) count as one, because their
+        middles are less than `SAME_M` apart.
         """
         return math.dist(self.middle, other.middle) < SAME_M
 

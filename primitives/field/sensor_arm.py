@@ -177,7 +177,7 @@ class SensorArm:
             )
 
     def line_free(self, place: FloatArray) -> bool:
-        """Return whether the arm's tip can move straight to a place, and then all the way down.
+        """Return whether the arm's tip can move level and straight to a place, then down to the slide's end.
 
         The arm must be able to follow this path, and touch nothing on it.
 

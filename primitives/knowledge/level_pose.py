@@ -32,7 +32,7 @@ class LevelPose(FileModel):
 
     @property
     def pose(self) -> Transform:
-        """Pose (4, 4) at the height of the surface, in the frame in which it is given."""
+        """This pose (4, 4) with the surface's height as z, in the frame (map or base) of `x_m` and `y_m`."""
         return self.floor.lift(self.height_m)
 
     def body(self, size: tuple[float, float, float], name: str) -> Box:

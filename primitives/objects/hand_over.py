@@ -50,7 +50,9 @@ UPRIGHT_TOLERANCE_RAD = math.radians(15.0)
 
 
 class HeldPhase(Enum):
-    """Phase of handing an object over to a person."""
+    """State of an object that is handed over to a person: carried in the hand, offered to the person, or
+    released by the fingers.
+    """
 
     CARRIED = "carried"
     OFFERED = "offered"

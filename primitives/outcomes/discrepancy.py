@@ -46,7 +46,8 @@ class NeedsPerson(MotionBroken):
 
 
 class Discrepancy(MotionBroken):
-    """Exception: the motion cannot continue; the framework restores, measures, and reports Fail (or GiveUp).
+    """Exception: a primitive's motion cannot continue; the framework moves back to the state at its start,
+    measures whether it is reached, and reports Fail (or GiveUp if not).
 
     Attributes:
         permanent: True if another attempt is pointless; the action's attempts are used up.

@@ -42,7 +42,7 @@ class ResidualKind(Enum):
 
     @property
     def is_base_offset(self) -> bool:
-        """True if the quantity is the measured distance or turn of the base from its earlier pose."""
+        """True if the quantity is the distance or turn of the base between the two states."""
         return self in (ResidualKind.BASE_POSITION, ResidualKind.BASE_HEADING)
 
 

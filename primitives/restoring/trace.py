@@ -46,8 +46,8 @@ class Trace:
         """True if it is what is left of another trace, along which a motion back was broken off."""
 
     def nearest(self, pose: Pose2) -> int:
-        """Return the index of the moment, among the last `NEAR_PERIODS`, at which the base was nearest to a
-        pose.
+        """Return the index of the recorded moment at which the base was nearest to a pose, among the last
+        `NEAR_PERIODS` moments.
 
         Args:
             pose: pose in the frame of `Localization.odometry_pose`.

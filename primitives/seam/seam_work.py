@@ -58,7 +58,7 @@ class SeamWork(NamedTuple):
         return () if self.next is None or self.next.empty else (self.next, *self.after)
 
     def done(self) -> SeamWork:
-        """Return this work after its next part was tracked; unchanged without a next part."""
+        """Return this work after the next part of the seam was tracked; unchanged if no part is next."""
         if self.next is None:
             return self
         end = self.next._replace(first=self.next.last, score=0.0, end=None)

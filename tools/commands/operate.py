@@ -45,7 +45,10 @@ def stop(run: LatestRun = None, as_json: Json = False) -> None:
 
 
 def cancel(run: Run, as_json: Json = False, number: Number = None) -> None:
-    """Move the robot to undo what the running action has changed, and then end the run."""
+    """Move the robot to undo what the running action has changed, and then end the run.
+
+    If `number` is given, only the action with this number is cancelled, and no later one.
+    """
     _say("cancel", run, as_json, **_meant(number))
 
 

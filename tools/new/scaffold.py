@@ -163,7 +163,7 @@ def write_robot(path: Path, name: str) -> tuple[Path, Path]:
     """Write a robot's file and its URDF from the shipped cart, and return both paths.
 
     Args:
-        path: robot's file to write; one called `wheels.yaml` has no lidar.
+        path: robot's file to write; if it is called `wheels.yaml`, the robot gets no lidar.
         name: name of the robot, and of the URDF next to the robot's file.
     """
     cart, urdf = SHIPPED_ROBOTS_FOLDER / "cart", path.with_name(f"{name}.urdf")

@@ -118,7 +118,7 @@ class CampaignWords:
         return exact_goal(Path(self._arguments["task"]), self._arguments["settings"])
 
     def facts(self) -> dict[str, Any]:
-        """Return the report as a dictionary of fields, for `--json`."""
+        """Return the report on the campaign as a dictionary of JSON values, for the option `--json`."""
         from handcart.evaluation.campaigns.statistics.divergence import first_difference
 
         report, median, goal = self._report, self._report.median_run, self._exact()

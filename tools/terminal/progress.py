@@ -137,7 +137,7 @@ class Progress(RunObserver):
         self._print(escape(f"  handcart permit {run}\n  handcart refuse {run}"))
 
     def offer(self, commands: Sequence[str]) -> None:
-        """Print the possible next commands, ready to be pasted."""
+        """Print shell commands that the user can run next, in a form that can be pasted."""
         for command in commands:
             self._print(f"[dim]  {escape(printable(command))}[/dim]")
 

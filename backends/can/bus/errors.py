@@ -107,7 +107,7 @@ class SilentDrive(CanFault, TimeoutError):
 
 
 class LostAnswers(CanFault):
-    """Error: a drive left too many SYNCs unanswered."""
+    """Error: a drive left more of the latest SYNCs unanswered than its limit allows."""
 
     def __init__(self, drive: str, lost: int, of: int, allowed: str) -> None:
         super().__init__(f"{drive} is unreliable: {lost} of {of} answers didn't come; allowed: {allowed}")

@@ -321,7 +321,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def jump(self) -> str:
-        """Message with the size and likely cause of the first implausible jump of the measured position."""
+        """Size, and likely cause, of the first change of measured position too fast for the axis, as text."""
         bits = encoder_bits(self._jump - self._jump_way, 0.1 * abs(self._jump_way) + 2.0)
         size = f"by {self._jump} counts ({self._jump / self.units.scale:.3g} m or rad)"
         if bits is None:

@@ -9,8 +9,8 @@ from handcart.backends.description.can_spec import AxisSpec, Without
 
 
 class Lack(NamedTuple):
-    """A group of objects that some drives lack, with its description and the consequence of using a drive
-    without it.
+    """Group of CANopen objects that some drives lack, with its description and the consequence of using a
+    drive without it.
     """
 
     objects: tuple[int, ...]

@@ -51,8 +51,8 @@ class Pins:
         return bool(data.eq_active[self._first])
 
     def pull(self, data: Any) -> float:
-        """Return the mean force, in [N], of the point constraints (pins) that fix the held thing to the
-        hand.
+        """Return the force, in [N], that a point constraint (pin) between hand and held thing exerts, as the
+        mean over the `MAX_PIN_POINTS` pins.
         """
         forces = data.efc_force[self._first : self._first + 3 * MAX_PIN_POINTS].tolist()
         return (

@@ -63,7 +63,7 @@ class Crowd:
         self._discs = NO_DISCS
 
     def moved(self) -> None:
-        """Reset `is_near`, because the base moves."""
+        """Forget people who came near while the base was at rest (set `is_near` False), because it moves."""
         self._is_near = False
 
     def came_to_rest(self, scan: Scan) -> None:

@@ -39,7 +39,7 @@ class PoseNeed(NamedTuple):
         return self.position if self.across is None else min(self.position, self.across)
 
     def scaled(self, share: float) -> PoseNeed:
-        """Return a copy of this need in which all limits are multiplied by `share`."""
+        """Return a copy of the required accuracy in which all limits of errors are multiplied by `share`."""
         across = None if self.across is None else share * self.across
         return PoseNeed(share * self.position, share * self.heading, across, self.axis)
 

@@ -75,8 +75,9 @@ class RobotDifferences:
         return cls(found)
 
     def factor(self, name: str) -> float:
-        """Return the factor by which the simulated robot multiplies a quantity; 1 if it does not differ from
-        the robot's file.
+        """Return the factor by which the simulated robot multiplies a quantity; 1 without a difference.
+
+        Names of quantities are those in `FIXED_NAMES`, the joints' names, and `state.` with a joint's name.
         """
         return self._factors.get(name, 1.0)
 

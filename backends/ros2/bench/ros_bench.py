@@ -132,7 +132,7 @@ class RosBench:
             joints.settle(self.time, measured, presses)
 
     def announce(self) -> None:
-        """Publish the present readings again, without simulating a period."""
+        """Publish the robot's present readings again, without simulating a further control period."""
         self._publish()
 
     def state(self) -> dict[str, object]:

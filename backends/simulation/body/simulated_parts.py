@@ -139,7 +139,7 @@ class SimulatedArm(ForceArm):
     def swing_yaw(self) -> float:
         """Return the angle by which the arm's last motion turned the base to the left, in [rad].
 
-        To be called only if that motion was a swing: a motion that carried a load far enough (`swung`).
+        To be called only if that motion was a swing (`swung`), a long motion of the hand with a load.
         """
         return swing_yaw(self._errors, self._seed, self._motions)
 

@@ -60,7 +60,7 @@ class BookSpec(FileModel):
 
 
 class ObjectSpec(FileModel):
-    """Immovable object on the board other than a book: a box in front of, in or behind the row."""
+    """Immovable object on a shelf's board: a box in front of, in or behind the row of books."""
 
     at_mm: Annotated[float, Field(ge=0.0, le=3000.0)]
     """Distance of its left side from the left panel."""
@@ -79,7 +79,7 @@ class GapSpec(FileModel):
 
 
 class ShelfSpec(FloorPose):
-    """One row of books; its pose is that of frame S: middle of the board's front edge, x into the shelf."""
+    """Row of books on a board; its pose is that of frame S: middle of the board's front edge, x into the shelf."""
 
     name: Name
     width_m: Annotated[float, Field(ge=0.1, le=3.0)] = 1.0

@@ -51,7 +51,7 @@ class SceneDepthCamera(SimulatedDepthCamera):
 
 
 def bodies_of(scene: Scene) -> Iterator[Body]:
-    """Yield the bodies that a depth camera may see: present solids, things, tray and fingers."""
+    """Yield boxes with materials that a depth camera may see: solids now present, things, tray, fingers."""
     for solid in scene.solids:
         if solid.appears <= scene.time < solid.leaves:
             yield solid.box, solid.material

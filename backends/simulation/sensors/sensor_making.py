@@ -27,8 +27,8 @@ class NotSimulated(InputError):
 
 
 class SensorMaker(NamedTuple):
-    """Builder of a simulated sensor, with a flag that the simulation has to come to rest before it is
-    called.
+    """Builder of a simulated sensor, with a flag that the simulated bodies have to come to rest before the
+    builder is called.
     """
 
     build: Callable[[SensorSite[Any]], SimulatedSensor]

@@ -51,7 +51,9 @@ class JointTrial(NamedTuple):
 
 
 class JointsRung(Rung[RosSite]):
-    """Bring-up step that moves each joint a little, and compares command, reading and the motion seen."""
+    """Bring-up step that moves each joint a little, and compares command, reading and the motion that the
+    operator sees.
+    """
 
     name = "joints"
     summary = "each joint a little: command, joint_states and what is seen agree in sign, size and time"

@@ -70,8 +70,8 @@ class WalkedTrials:
     def trial_of(self, seed: int, walked: Walked, column: int) -> Trial:
         """Convert one random walk to a trial with the records of its actions.
 
-        The coordinator decides again for the walk's outcomes, which gives the names of the actions and the
-        reasons.
+        A walk has only numbers. The coordinator's decisions are therefore made again for the walk's outcomes,
+        which gives the names of the actions and the reason of the run's end.
 
         Args:
             seed: seed of the trial.

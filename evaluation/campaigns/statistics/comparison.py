@@ -51,7 +51,7 @@ class MetricChange:
 
     @property
     def proven(self) -> bool:
-        """True if the change is significant."""
+        """True if the metric's mean change is significant, by a p-value of at most `SIGNIFICANCE_LEVEL`."""
         return self.adjusted <= SIGNIFICANCE_LEVEL
 
 
@@ -95,7 +95,7 @@ class Comparison:
 
     @property
     def worse(self) -> bool:
-        """True if the second campaign's success rate is significantly lower than the first one's."""
+        """True if the second campaign's success rate is lower than the first one's, and `success.proven`."""
         return self.success.proven and self.success.mean < 0.0
 
 

@@ -34,7 +34,10 @@ class ExactValue:
 
 
 def exact_goal(task: Path, settings: Mapping[str, str]) -> float | str:
-    """Return a task's probability to reach its goal, by the task's file, or the reason why it is unknown."""
+    """Return the probability that a task reaches its goal, or the reason why it is unknown, as text.
+
+    The probabilities in the task's file are used; `settings` has values of the task's parameters, by name.
+    """
     return exact_end(task, settings, "Success")
 
 

@@ -11,7 +11,7 @@ def rerun(said: Mapping[str, Any], seed: int) -> str:
     """Return the shell command that runs one trial of a campaign again.
 
     Args:
-        said: arguments in the campaign's folder.
+        said: command-line arguments of the campaign, by name, as its folder keeps them.
         seed: seed of the trial.
     """
     return shlex.join(_words(said, seed))

@@ -97,7 +97,9 @@ class Underway:
         return None
 
     def finish(self, fault: Fault | None = None) -> AttemptEnding:
-        """Inject a fault now, run the attempt to its end, and compare the outcome with the ground truth."""
+        """Inject a fault (None: no fault), run the attempt to its end, and compare its outcome with the
+        ground truth.
+        """
         count = [0]
         try:
             outcome = self._to_the_end(fault, count)

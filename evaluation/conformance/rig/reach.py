@@ -96,7 +96,7 @@ class Reach(ActionPrimitive):
         yield
 
     def false_effect(self, scene: Any, before: GroundTruth) -> list[str]:
-        """Return a message if the base has not truly moved ahead although the primitive has reported Success.
+        """Return a message if the base moved ahead too little despite Success, otherwise an empty list.
 
         Args:
             scene: the simulated world after the Success.

@@ -88,7 +88,7 @@ class ObjectSurface(LevelPose):
         return self
 
     def boxes(self, name: str, room: float = 0.0) -> tuple[Box, ...]:
-        """Return the bodies that the arm must not touch: the surface's body, its walls, and the board above.
+        """Return the bodies that the arm must not touch: the surface, its walls, and the board above it.
 
         Args:
             name: name of the bodies.

@@ -86,8 +86,8 @@ class PullWatch:
 
     @property
     def is_calm(self) -> bool:
-        """True if the mean force on the hand over `PULL_TIME_S`, less the force at rest, is too small for a
-        pull.
+        """True if the mean force on the hand over `PULL_TIME_S`, less the force at rest, is below the share
+        `CALM_SHARE` of the least pull.
         """
         if len(self._forces) < (self._forces.maxlen or 0):
             return False
@@ -103,8 +103,8 @@ class PullWatch:
     def lasting(self, share: float = 1.0) -> FloatArray | None:
         """Return the mean force (3,) on the hand over `PULL_TIME_S`, in the base frame, in [N].
 
-        None if the mean force is weaker than the limit, or if the force fell clearly below the limit in
-        between.
+        None if the mean force is weaker than the limit, or if the force fell below the share `STEADY_SHARE`
+        of the limit in between.
 
         Args:
             share: the limit, as a share of the least force that counts as a pull.

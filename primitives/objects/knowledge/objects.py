@@ -226,7 +226,7 @@ class Objects(Section):
         return next((sighting for sighting in self.sightings if sighting.object == name), None)
 
     def surface(self, name: str) -> ObjectSurface:
-        """Return a surface of the file, at its measured pose if it was measured."""
+        """Return a surface of the file of objects by its name, at its measured pose if it was measured."""
         surface = self.objects.surfaces[name]
         measured = next((pose.pose for pose in self.surface_poses if pose.surface == name), None)
         return surface if measured is None else surface.moved_to(measured)

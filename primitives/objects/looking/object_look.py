@@ -139,12 +139,12 @@ def look_closely(
         model: knows surfaces, seen objects and what is held.
         name: name of the object.
         base_T_object: (4, 4) expected pose of the object.
-        look: gets the readings.
+        look: collects the readings of the tags.
         evidence: receives the picture.
         wanted: directions from which the camera may look.
 
     Raises:
-        Discrepancy: no view of it is free.
+        Discrepancy: no view of the object can be reached without a collision.
     """
     file = model.of(Objects).objects
     kind = file.kind_of(name)
@@ -169,7 +169,7 @@ def look_from(
     without: str = "",
     open_areas: Sequence[FloatArray] = (),
 ) -> Generator[None, None, bool]:
-    """Move the camera to a view of a point in the base frame; return False if no view is free.
+    """Move the camera to a view of a point in the base frame; return False if all views would collide.
 
     Args:
         robot: robot with a camera.

@@ -45,7 +45,7 @@ class PitchArm(NamedTuple):
         Args:
             bases: (b, 3) world_T_base on the floor: x, y in [m], heading in [rad].
             path: path of the tool in the world.
-            rule: rule for the score: its measure, and the joint limits.
+            rule: rule for the score: its measure, and limits on the lever of the tool's force.
         """
         values, usable = pitch_arm_table(
             self._stands(bases), self.marks(path), self._figures(), int(rule.measure), rule.limits

@@ -83,7 +83,7 @@ class ResolvedRate:
 
 
 def line_postures(arm: Scara, q: FloatArray, target: FloatArray) -> FloatArray | None:
-    """Return postures (n, 2), in [rad], along a straight line of the tip; None if one is beyond a limit.
+    """Return postures (n, 2), in [rad], along a straight line of the tip; None if one exceeds a joint limit.
 
     Args:
         arm: the arm.

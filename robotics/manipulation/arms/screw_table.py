@@ -39,7 +39,7 @@ class ToolTargets(NamedTuple):
 
 
 class ToolRule(NamedTuple):
-    """Rule by which `screw_table` scores an arm at a point of a path, with the turn that is free there."""
+    """Rule by which `screw_table` scores an arm at points of a path, with the tool's turn that is free."""
 
     free: int
     """1 if the tool's azimuth is free, 2 if its turn about its own x axis is free, 0 if neither is."""

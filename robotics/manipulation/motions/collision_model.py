@@ -121,7 +121,7 @@ class CollisionModel:
         return any(body.name in pair for pair in other.contacts(q))
 
     def line_free(self, q_from: FloatArray, q_to: FloatArray, step: float = 0.01) -> bool:
-        """Return True if the straight joint line between two postures is free, ends included.
+        """Return True if nothing collides on the straight joint line between two postures, ends included.
 
         Args:
             q_from: (n,) joint angles, in [rad] or [m].

@@ -122,7 +122,7 @@ class GrowingMap:
 
     @property
     def is_search_due(self) -> bool:
-        """True if enough keyframes were added since the last search for loop closures."""
+        """True if `SEARCH_KEYFRAMES` keyframes or more were added since the last search for loop closures."""
         return len(self.poses) - self._searched >= SEARCH_KEYFRAMES
 
     def search(self) -> None:

@@ -58,7 +58,7 @@ class Ramp:
 
     @property
     def at_rest(self) -> bool:
-        """True if the last command was zero, or nearly so."""
+        """True if the last command was below 1 mm/s and 2 mrad/s."""
         return abs(self.speed) < 1e-3 and abs(self.turn_rate) < 2e-3
 
     def reset(self) -> None:

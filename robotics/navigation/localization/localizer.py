@@ -129,7 +129,7 @@ class Localizer(ABC):
 
     @abstractmethod
     def correct(self, points: FloatArray) -> bool:
-        """Correct the pose by scan points (n, 2), in the base frame in [m]; return whether that succeeded."""
+        """Correct the pose by points (n, 2) of a scan in the base frame, in [m]; return whether it changed."""
 
 
 class ScanLocalizer(Localizer):

@@ -25,8 +25,8 @@ class PositioningLocalizer(Localizer):
     """Kalman filter that moves the pose by the wheels and corrects it by readings of a positioning system.
 
     A late reading is first moved by the wheels' motion since its time. At rest the readings are averaged.
-    Three readings in a row far from the expected pose mean that the base was moved: its pose is set to the
-    last reading.
+    Three readings in a row more than 5 standard deviations (Mahalanobis distance) from the expected pose mean
+    that the base was moved: its pose is set to the last reading.
     """
 
     STATE: ClassVar[Mapping[str, Any]] = {

@@ -49,7 +49,7 @@ class UnmappedSurroundings:
     def contradicts(self, points: FloatArray, pose: Pose2) -> bool:
         """Return whether so many beams of a scan pass through walls of the map that the pose must be wrong.
 
-        Some beams may do so, because objects on the map may have been removed.
+        A share of `MAX_THROUGH_SHARE` may do so, because objects on the map may have been removed.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].

@@ -175,8 +175,8 @@ class Baseline:
             self._then = pose
 
     def begin(self, beams: ScanBeams) -> None:
-        """Replace the earlier scan, with which later scans are compared, and measure the wheels' travel from
-        now on.
+        """Replace the earlier scan, with which later scans are compared, and measure the wheels' travel since
+        the new one.
 
         Args:
             beams: scan that takes its place.

@@ -61,7 +61,10 @@ class Keyframe(NamedTuple):
 
 
 def keyframe_rows(log: ScanLog) -> list[int]:
-    """Return the rows at which the base has moved enough for a keyframe, the first and last included."""
+    """Return the log's rows that are keyframes of a map, the first and last included.
+
+    They are at least `KEYFRAME_TRAVEL_M` or `KEYFRAME_TURN_RAD` of odometry apart.
+    """
     rows, last = [0], Pose2(*log.odometry[0])
     for row, pose in enumerate(map(Pose2._make, log.odometry.tolist())):
         if pose.distance(last) >= KEYFRAME_TRAVEL_M or pose.turn(last) >= KEYFRAME_TURN_RAD:

@@ -53,7 +53,7 @@ class Clearances:
             self.between_centres = np.asarray(away, dtype=np.float32)
 
     def nearest(self, point: tuple[float, float]) -> Nearest:
-        """Return distance and place of the solid cell nearest to a point (x, y on the map, in [m])."""
+        """Return the solid cell nearest to a point (x, y on the map, in [m]), with its distance in [m]."""
         if self.empty:
             return Nearest(math.inf, np.full(2, np.nan))
         x, y = self._scaled(np.array([point[:2]]))[0].tolist()

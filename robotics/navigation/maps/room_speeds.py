@@ -17,8 +17,8 @@ MIN_SPEED_M_S = 0.3
 
 
 class RoomSpeeds(NamedTuple):
-    """Speed limits by the room between the robot and the nearest obstacle on a map, or by `other` where that
-    is lower.
+    """Speed limits by the room between the robot and the nearest obstacle on a map, or those of the further
+    source `other` where they are lower.
     """
 
     grid: GridMap

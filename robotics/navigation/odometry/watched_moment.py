@@ -68,8 +68,8 @@ class WatchedMoment(NamedTuple):
         return cls(Belief(now.mean[:states].copy(), covariance[:, :states].copy()), covariance)
 
     def stepped(self, transition: FloatArray) -> Self:
-        """Return the tracked moment after a prediction step of the filter, which keeps its estimate and
-        changes its covariance with the present states.
+        """Return this estimate of earlier states after a prediction step of the filter. The step leaves the
+        estimate unchanged; it changes the covariance with the present states.
 
         Args:
             transition: (n, n) transition of the present states in this step, in any units.

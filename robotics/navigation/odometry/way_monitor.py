@@ -37,8 +37,8 @@ class WayMonitor:
     def take(self, missed: float, map_sigma: float, scale_variance: float) -> float:
         """Add a correction of the position by a scan; return the wheels' relative scale error, or 0.
 
-        The error is returned without its sign, and only if it is significant, otherwise 0. A significant
-        error starts a new window of travel.
+        The error is returned without its sign, and only if it exceeds 3 standard deviations, otherwise 0. An
+        error above that starts a new window of travel.
 
         Args:
             missed: position by the scan less position by the wheels, along the heading, in [m].

@@ -153,7 +153,7 @@ class FieldKalman:
 
     @property
     def pose(self) -> Pose2:
-        """Estimated world_T_base."""
+        """Estimated pose of the base in the world (world_T_base), in [m] and [rad]."""
         x, y, heading = self._mean[:3].tolist()
         return Pose2(x, y, wrap(heading))
 

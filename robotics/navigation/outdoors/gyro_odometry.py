@@ -26,7 +26,7 @@ BIAS_MEMORY_S = 20.0  # [s] over which a gyro's bias is averaged at rest: longer
 
 
 class Advance(NamedTuple):
-    """Motion since the last step of the filter, by wheels and vertical gyro."""
+    """Motion in one step of the localizer's Kalman filter, measured by wheels and vertical gyro."""
 
     forward: float
     """Level travel over ground, in [m]; negative backwards."""
@@ -64,7 +64,7 @@ class GyroOdometry:
 
     @property
     def pose(self) -> Pose2:
-        """Pose of the base by odometry alone, in the frame in which the start was given."""
+        """Pose of the base by odometry alone, in the frame of the pose from which the odometry started."""
         return Pose2(float(self._state[0]), float(self._state[1]), wrap(float(self._state[3])))
 
     @property

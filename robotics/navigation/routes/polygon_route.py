@@ -55,7 +55,7 @@ def polygon_routing(
         shape: polygon of the footprint.
         start: x and y on the map, in [m].
         goal: x and y on the map, in [m].
-        settings: clearance, reach of the ends, and rounding.
+        settings: clearance, distance of start and goal from the free space, and rounding of corners.
     """
     for may_be_tight in (False, True):
         for off in CELL_CENTRES:

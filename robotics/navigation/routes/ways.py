@@ -86,8 +86,7 @@ class Way(NamedTuple):
 
 
 def narrowest_room(grid: GridMap) -> float:
-    """Return the least room between a polygonal footprint and obstacles with which routes are planned, in
-    [m].
+    """Return the least distance to obstacles, in [m], that a planned route may leave a polygonal footprint.
 
     It is negative: a small overlap with the squares of blocked cells is allowed.
     """

@@ -38,7 +38,7 @@ def assign(
     """Return the most likely assignment of measurements to tracks, as pairs of a track's and a measurement's
     number.
 
-    Pairs whose distance is implausible are left out.
+    Pairs more than `GATE_M` apart, or with a squared Mahalanobis distance above `GATE_D2`, are left out.
 
     Args:
         means: (n, 4) predicted x, y on the map in [m] and velocity along them in [m/s].

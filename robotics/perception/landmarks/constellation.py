@@ -118,7 +118,8 @@ def explain(
 def rivals(explanations: Sequence[MarkAssignment]) -> list[MarkAssignment]:
     """Return the most likely assignment of seen marks to landmarks, then its rivals.
 
-    Rivals are assignments that are hardly less likely, but mean another pose of the base.
+    Rivals are assignments whose log-likelihood is less by at most `MIN_LOG_RATIO`, but that mean another pose
+    of the base.
 
     Args:
         explanations: assignments, the most likely first.
