@@ -72,7 +72,7 @@ class CanArm(CommandedArm):
 
 
 class CanForceArm(CanArm, ForceArm):
-    """Arm that measures the force on the hand, because enough of its drives report their joint's torque."""
+    """Arm that measures the force on the hand, because three or more of its drives report joint torques."""
 
 
 def kind_of_arm(joints: Sequence[AxisSpec]) -> type[CanArm]:

@@ -42,7 +42,7 @@ class RosLidar(TopicSensor, RangeSensor):
 
     @override
     def scan(self) -> Scan:
-        """Return the last raw scan; raise `StaleSensor` if it is too old."""
+        """Return the last raw scan; raise `StaleSensor` if it is older than the robot's file allows."""
         self.check_fresh()
         return Scan(self._angles.copy(), self._ranges.copy(), self._mount)
 

@@ -44,7 +44,7 @@ class ActivityRelations:
         return list(found)
 
     def stands_on_furniture(self, term: str) -> bool:
-        """Return whether a piece of furniture is on another piece instead of a floor."""
+        """Return whether the furniture with a BDDL term is on another piece of furniture, not on a floor."""
         below = self.supports.get(term)
         return below is not None and not is_floor(below)
 

@@ -42,7 +42,7 @@ class FurnitureEntry(FileModel):
 
 
 class ThingTable(FileModel):
-    """Table of the categories of things, with their sizes."""
+    """Table of the categories of carried things and of furniture in activities, with their sizes."""
 
     format: Literal["handcart-things/1"]
     carried: dict[str, CarriedEntry]

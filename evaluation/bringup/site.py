@@ -82,7 +82,7 @@ class RobotSite(ABC):
 
 @dataclass
 class Site(RobotSite):
-    """Robot that is connected by CAN, or its simulated bench in this process."""
+    """Robot with CAN drives that is brought up, or the bench in this process that simulates the robot."""
 
     @property
     @override

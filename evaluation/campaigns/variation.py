@@ -76,7 +76,7 @@ class Varied(FileModel):
 
     @property
     def path(self) -> KeyPath:
-        """Keys and indices from the top of the file to the number."""
+        """Keys and indices that lead from the top of the file to the varied number."""
         return tuple(int(step) if step.isdecimal() else step for step in self.key.split("."))
 
     def values(self) -> Sequence[float] | None:

@@ -93,8 +93,8 @@ def provided_kind(part: Capability, kind: Kind) -> Kind:
 def layered_kind(kind: Kind, provided: Kind) -> Callable[[Any, Any], Any]:
     """Return a class that wraps capabilities of a kind and routes their methods through a `LayeredBackend`.
 
-    An instance is made from the layered backend, whose `pass_on` gets all calls, and from the inner
-    capability, whose properties and `sensor_name` it has.
+    An instance is made from the layered backend and from the capability to be wrapped. All calls go to the
+    backend's method `pass_on`; `sensor_name` and the properties are those of the wrapped capability.
     """
     names = sorted(kind.__abstractmethods__ | {name for name in dir(kind) if _is_property(kind, name)})
     methods = {name: _passing(kind, name) for name in names}

@@ -18,6 +18,9 @@ MAX_OUTSIDE_M = 0.03  # from a centre of mass to the link's bodies
 def mass_faults(link: LinkFacts, bodies: Sequence[Shape], moves: bool = False) -> list[str]:
     """Return messages about implausible mass and inertia of a link.
 
+    These are no or no positive mass, inertia that no body has, a density outside `LIGHT` to `HEAVY`, and a
+    centre of mass or inertia beyond the link's bodies.
+
     Args:
         link: the link in its URDF.
         bodies: collision bodies of the link, in the link's frame.

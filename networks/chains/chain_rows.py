@@ -48,8 +48,8 @@ class ChainLinks(NamedTuple):
 
 
 class ChainEnds(NamedTuple):
-    """Transitions from states (rows) of a Markov chain to ends of a run, such as the goal, as columns
-    (n,).
+    """Transitions from states of a Markov chain to ends of a run, such as the goal, as arrays (n,) with the
+    state's row, the end and the probability of each transition.
     """
 
     row: IntArray

@@ -99,7 +99,7 @@ class AimWatch:
         return self._round_began, self._clock.time_of_day(self._round_due).isoformat("seconds")
 
     def is_early(self) -> bool:
-        """Return whether it is too early to begin the next round, whose start `begin_round` has computed."""
+        """Return whether the start of the task's next round, computed by `begin_round`, is still to come."""
         self._look_at_clock()
         if self._round_due is None:
             return self._robot.time < self._round_began

@@ -109,7 +109,8 @@ class BestValues:
     def likely(self, state: State) -> Decision | None:
         """Return the best decision in a state by the bounds computed so far, without searching.
 
-        The result is None if the search has not examined the state, or runs are unlikely to reach it.
+        The result is None if the search has not examined the state, or if the state is not among those that
+        runs of the best policy reach most often.
         """
         search = self._search(state)
         if search is None:

@@ -159,7 +159,7 @@ def _said(value: object) -> str:
 
 
 def shortened(words: str) -> str:
-    """Return a line of text, cut if it is too long to be drawn."""
+    """Return a line of text for a drawing, cut to `MAX_LINE_CHARS` characters if it is longer."""
     return words if len(words) <= MAX_LINE_CHARS else f"{words[: MAX_LINE_CHARS - 1]}…"
 
 

@@ -96,9 +96,7 @@ class InterruptEntry(FileModel):
     """One of a higher priority comes before one of a lower one, and interrupts it."""
 
     def interrupt(self, goals: Sequence[str]) -> Interrupt:
-        """Return the interrupt that this entry describes; `goals` are the situations of the network that end
-        it.
-        """
+        """Return the interrupt that this entry describes; each situation in `goals` fulfils and ends it."""
         when = self.when
         below, until = when.battery_below_percent, when.until_percent
         at = tuple(when.at or ())

@@ -108,7 +108,7 @@ class RunLog(Intents):
         self._write("INTENT", records.Intent(n=self.started, effect=effect))
 
     def passed(self, what: str) -> None:
-        """Log that the running action passes a point of no return."""
+        """Log that the running action can no longer be undone, because of the effect described by `what`."""
         self._write("PNR", records.PointOfNoReturn(n=self.started, what=what))
 
     @property

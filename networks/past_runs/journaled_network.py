@@ -27,7 +27,7 @@ class NamedBinding(Binding):
 
     @cached_property
     def label(self) -> str:
-        """The primitive's name in files."""
+        """Name of the action's primitive as task files and journals state it, such as `MOVE_TO`."""
         return self.name
 
     @override

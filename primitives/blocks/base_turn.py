@@ -14,7 +14,9 @@ FUSION_GATE_SIGMAS = 5.0  # sigmas
 
 
 class BaseTurn(NamedTuple):
-    """Yaw of the base since it was measured at a landmark, positive to the left, with its sigma, in [rad]."""
+    """Yaw of the base since its pose was last measured at a landmark, positive to the left, and sigma of the
+    yaw, in [rad].
+    """
 
     yaw: float
     sigma: float

@@ -23,7 +23,10 @@ class StandstillMonitor:
         self._place, self._driven = robot.pose, 0.0
 
     def check(self) -> None:
-        """Raise `Discrepancy` if the base does not move although it is driven; called once a period."""
+        """Raise `Discrepancy` if the base has not moved in `STANDSTILL_TIMEOUT_S` of being driven.
+
+        To be called once a period. Motion of less than `MIN_MOTION` does not count.
+        """
         robot = self._robot
         moved = (
             robot.pose.distance(self._place) > MIN_MOTION[0] or robot.pose.turn(self._place) > MIN_MOTION[1]

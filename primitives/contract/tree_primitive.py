@@ -65,7 +65,7 @@ class GeneratorBehaviour(Behaviour):
         self._periods: Generator[None, None, bool | None] | None = None
 
     def initialise(self) -> None:
-        """Begin a new generator when the leaf starts."""
+        """Begin a new generator of the leaf's motion; py_trees calls this when the leaf starts."""
         self._periods = self._factory()
 
     def update(self) -> Status:

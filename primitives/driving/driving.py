@@ -181,7 +181,7 @@ class FieldObstacleMonitor:
         return robot.pose.apply(points)
 
     def kept(self, sensed: FloatArray, blocking: FloatArray) -> FloatArray:
-        """Return the sensed points (m, 2) to remember as obstacles, which are those near `blocking`.
+        """Return the points (m, 2) to remember as obstacles, within `OBSTACLE_MEMORY_RADIUS_M` of `blocking`.
 
         Args:
             sensed: (n, 2) points that may be obstacles, in the field's frame, in [m].

@@ -139,7 +139,7 @@ def follow(robot: Robot, path: FloatArray) -> Periods:
         path: (m, n) joint positions, in [rad] or [m].
 
     Raises:
-        Discrepancy: the joints lag too far behind their commands.
+        Discrepancy: a joint lags more than `MAX_JOINT_LAG_RAD`, or `SLIDE_LAGS`, behind its command.
     """
     slides = robot.arm_model.slides
     most = np.where(slides, SLIDE_LAGS, MAX_JOINT_LAG_RAD)

@@ -50,7 +50,7 @@ UPRIGHT_TOLERANCE_RAD = math.radians(15.0)
 
 
 class HeldPhase(Enum):
-    """State of an object that is handed over to a person: carried in the hand, offered to the person, or
+    """State of an object during the hand-over to a person, which is carried, offered to the person, or
     released by the fingers.
     """
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class CauseKind(NamedTuple):
-    """Kind of cause of a Fail or GiveUp.
+    """Kind of cause of a Fail or GiveUp, such as an obstacle or a faulty sensor, as one word.
 
     A domain or another package declares its own kinds as constants of a module, and raises `Discrepancy` or
     `NeedsPerson` with them.

@@ -59,7 +59,10 @@ class Snapshot:
 
 
 def settle(robot: Robot) -> Generator[None, None, bool]:
-    """Wait until nothing moves and the pose of the base is known; return whether that happened in time."""
+    """Wait until the robot's readings are constant for `REST_PERIODS` and the pose of the base is known.
+
+    Return whether that happened within `REST_TIMEOUT_S`.
+    """
     still, end, displaced = 0, robot.time + REST_TIMEOUT_S, robot.localization.displacements
     before = _readings(robot)
     while still < REST_PERIODS and robot.time < end:

@@ -61,7 +61,7 @@ class MeshUse(NamedTuple):
 
 
 def link_names(urdf_text: str) -> list[str]:
-    """Return the names of all links.
+    """Return the names of all links of a URDF, in the order of its text.
 
     Raises:
         ValueError: the text is not a URDF.

@@ -23,7 +23,8 @@ def compare(
 ) -> None:
     """Compare two campaigns, paired by seed, and print the differences.
 
-    The exit status is 3 if the success rate of the second campaign is proven to be lower.
+    The exit status is 3 if the success rate of the second campaign is significantly lower: its adjusted
+    p-value is at most `SIGNIFICANCE_LEVEL`.
     """
     import orjson
 

@@ -115,7 +115,7 @@ class Handlers:
         return found if isinstance(found, web.Response) else _json(found)
 
     async def file(self, request: web.Request) -> web.Response:
-        """Answer with a picture that the robot took."""
+        """Answer a browser's request with the requested picture from the evidence of a run's actions."""
         folder, name = self._folder(request), request.match_info["file"]
         where, _, file = name.rpartition("/")
         if where != EVIDENCE_PATH or not file.endswith(EVIDENCE_SUFFIXES):

@@ -13,6 +13,9 @@ def share_shown(what: str) -> Iterator[Callable[[float], None]]:
 
     If stderr is a terminal, the function shows a progress bar, which is removed at the end. Otherwise nothing
     is written.
+
+    Args:
+        what: description of the work, shown in front of the bar.
     """
     if not sys.stderr.isatty():
         yield lambda share: None

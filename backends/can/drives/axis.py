@@ -224,8 +224,8 @@ class Axis(canopen.RemoteNode):
             speed.transmit()
 
     def end_handshake(self) -> None:
-        """Clear the controlword's bit "new set-point" after the drive's answer, and count set-points that it
-        ignored.
+        """Clear the controlword's bit "new set-point" after the drive's answer, and count set-points that the
+        drive has ignored in a row.
         """
         if not self._asks or not self.answered:
             return

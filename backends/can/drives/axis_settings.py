@@ -28,7 +28,7 @@ _IF_THERE = (
 
 @dataclass(frozen=True)
 class ObjectValue:
-    """An object of a drive, by index and sub-index, and the value to write to it."""
+    """CANopen object of a drive, by index and sub-index, and the value to write to it."""
 
     index: int
     subindex: int

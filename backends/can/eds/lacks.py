@@ -71,7 +71,7 @@ def left_out(axis: AxisSpec) -> frozenset[int]:
 
 
 def lack_of(index: int) -> Without | None:
-    """Return the name, for `without` in the robot's file, of the feature that an object belongs to.
+    """Return the feature, by its name for `without` in the robot's file, that needs a CANopen object.
 
     None if every drive needs the object.
     """

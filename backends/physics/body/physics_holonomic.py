@@ -72,7 +72,7 @@ class PhysicsHolonomicBase(CommandedHolonomicBase):
         self._given += turn
 
     def act(self) -> None:
-        """Turn the simulated wheels at the base's speeds in the next part of the control period.
+        """Turn the simulated wheels at the base's speeds; called at each part of a period that is simulated.
 
         Only the wheels' encoders depend on this; the base itself is moved without wheels.
         """

@@ -59,7 +59,7 @@ def sound_urdf(robot: RobotFile) -> SoundUrdf:
 
 
 def casters(links: Iterable[str]) -> list[str]:
-    """Return the names of the links that slide on the floor instead of rolling (casters)."""
+    """Return those link names that contain `caster`: casters slide on the floor instead of rolling."""
     return [name for name in links if "caster" in name]
 
 

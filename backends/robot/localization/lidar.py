@@ -59,8 +59,8 @@ class Lidar(RangeSensor):
 
     @property
     def blockage(self) -> str:
-        """Message that the lidar is blocked or dirty, if most of this period's beams are too close or give no
-        reading; otherwise "".
+        """Message that the lidar is blocked or dirty, if more than half of this period's beams end within its
+        shortest range or the robot's outline, or give no reading; otherwise "".
         """
         if self.blind_share <= MAX_BLIND_SHARE:
             return ""

@@ -60,7 +60,7 @@ class BookSpec(FileModel):
 
 
 class ObjectSpec(FileModel):
-    """Immovable object on a shelf's board: a box in front of, in or behind the row of books."""
+    """Immovable object on a shelf's board, a box in front of, in or behind the row of books."""
 
     at_mm: Annotated[float, Field(ge=0.0, le=3000.0)]
     """Distance of its left side from the left panel."""
@@ -79,7 +79,10 @@ class GapSpec(FileModel):
 
 
 class ShelfSpec(FloorPose):
-    """Row of books on a board; its pose is that of frame S: middle of the board's front edge, x into the shelf."""
+    """Row of books on a board, with the 2D pose of the shelf frame S.
+
+    The frame's origin is the middle of the board's front edge; its x axis points into the shelf.
+    """
 
     name: Name
     width_m: Annotated[float, Field(ge=0.1, le=3.0)] = 1.0

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 class SeedBranch(NamedTuple):
     """One of several continuations of a run that was split at one instant; each draws its own random numbers
-    after it.
+    after the split.
     """
 
     number: int

@@ -61,7 +61,7 @@ class CampaignPage:
         return cls(found, CampaignReport(trials if settling is None else trials[: settling.count]), settling)
 
     def write_runs(self) -> None:
-        """Write the report pages of the trials to look at first, such as failed ones, if they can be read."""
+        """Write the report pages of the worst trials, such as failed ones, if their runs can be read."""
         for trial in self._report.worst():
             run = self._run(trial.run_name)
             if run is not None and not (run / REPORT_FILE).exists():

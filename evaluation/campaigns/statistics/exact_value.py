@@ -29,7 +29,7 @@ class ExactValue:
 
     @property
     def agrees(self) -> bool:
-        """True if the share of successful trials does not contradict the exact probability of the goal."""
+        """True if the share of successful trials agrees with the exact probability (p-value 0.05 or more)."""
         return self.p_value >= UNLIKELY_PROBABILITY
 
 

@@ -16,7 +16,9 @@ MAX_CHANGE_PERCENT = 20.0
 
 
 def battery(bench: KitBench, finding: CheckResult) -> None:
-    """Check that the battery's charge is 0 to 100 %, changes slowly, and is constant within a period."""
+    """Check that the battery's charge is 0 to 100 %, is constant within a period, and changes by at most
+    `MAX_CHANGE_PERCENT` in `PERIOD_COUNT` periods of driving.
+    """
     with bench.rig() as rig:
         backend, cell = rig.backend, needed(rig.backend, Battery)
         base, read = needed(backend, Base), list[float]()

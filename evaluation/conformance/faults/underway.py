@@ -31,8 +31,8 @@ class Endless(Exception):
 
 @dataclass(frozen=True)
 class AttemptEnding:
-    """Outcome of a primitive's attempt with an injected fault, and those of its claims that the ground truth
-    contradicts.
+    """Outcome of a primitive's attempt with an injected fault, and the claims of this outcome that the ground
+    truth contradicts.
     """
 
     outcome: str

@@ -15,6 +15,8 @@ def checked_places(
 ) -> tuple[FloatArray, FloatArray, list[str]]:
     """Remove implausible fixes, and report their number and their first time.
 
+    These are beyond the range of degrees, at (0, 0), about 100 km from most others, or mere repetitions.
+
     Args:
         latitudes: (n,) in [deg]; NaN without a fix.
         longitudes: (n,) in [deg].

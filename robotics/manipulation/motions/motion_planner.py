@@ -29,7 +29,7 @@ def plan_motion(
     max_branches: int = 4000,
     step: float = 0.01,
 ) -> FloatArray | None:
-    """Return a free path of straight joint lines between two postures; None if none was found.
+    """Return a collision-free path of straight joint lines between postures; None if none was found.
 
     The straight line is returned if it is free. Otherwise a path is searched by RRT-Connect (Kuffner and
     LaValle 2000, implemented in OMPL) within the joint limits, and shortened. Continuous joints turn the

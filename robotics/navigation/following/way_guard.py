@@ -61,9 +61,9 @@ class _Stand(NamedTuple):
 class WayGuard:
     """Guard that checks whether the area that a disc-shaped robot will sweep is free of obstacles.
 
-    The obstacles are those of the map and of the lidar's scan. If an obstacle is nearer than the minimum
-    distance, only motion away from it is allowed, and the return to the pose at which the robot began
-    (`stand_at`).
+    The obstacles are those of the map and of the lidar's scan. If an obstacle is nearer to the disc's centre
+    than the minimum distance (`needed`), only motion away from it is allowed, and the return to the pose at
+    which the robot began (`stand_at`).
     """
 
     def __init__(self, needed: float, grid: GridMap | None = None) -> None:

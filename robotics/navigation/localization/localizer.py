@@ -129,7 +129,7 @@ class Localizer(ABC):
 
     @abstractmethod
     def correct(self, points: FloatArray) -> bool:
-        """Correct the pose by points (n, 2) of a scan in the base frame, in [m]; return whether it changed."""
+        """Correct the pose by scan points (n, 2), in the base frame in [m]; False if it is left unchanged."""
 
 
 class ScanLocalizer(Localizer):
@@ -373,7 +373,7 @@ class ScanLocalizer(Localizer):
 def is_apart(
     before: Pose2, after: ScanMatch, covariance: FloatArray, field: LikelihoodField, surface_error: float
 ) -> bool:
-    """Return whether two poses measured by scans differ by more than the uncertainty of the scans.
+    """Return whether two poses measured by scans differ by more than their errors: the base was moved.
 
     Args:
         before: map_T_base of the first pose.

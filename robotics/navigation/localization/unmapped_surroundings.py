@@ -63,8 +63,10 @@ class UnmappedSurroundings:
     def corrected_by_map(
         self, points: FloatArray, found: LayerMatch, map_error: FloatArray
     ) -> ScanMatch | None:
-        """Correct the pose of `found` by the part of a scan that fits the map; return None if that part is
-        too small or contradicts this pose.
+        """Correct the pose of `found` by the part of a scan that fits the map; return None if that fails.
+
+        It fails if the pose is more uncertain than `PARTIAL_SIGMA_M` and `PARTIAL_SIGMA_RAD`, if less than
+        `MIN_PARTIAL_SHARE` or `MIN_PARTIAL_POINTS` fit the map, or if that part contradicts the pose.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].

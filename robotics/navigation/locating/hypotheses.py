@@ -86,7 +86,7 @@ class Hypotheses:
 
     @property
     def alive(self) -> IntArray:
-        """Indices (k,) of the hypotheses that are not much less likely than the best one."""
+        """Indices (k,) of the hypotheses whose log-likelihood is within `REFUTED_LOG` of the best one's."""
         if not len(self.log_likelihoods):
             return np.empty(0, dtype=np.int64)
         return np.flatnonzero(self.log_likelihoods >= self.log_likelihoods[0] - REFUTED_LOG)

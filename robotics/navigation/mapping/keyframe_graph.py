@@ -39,8 +39,9 @@ CHI2_LIMIT = 3.0 * SCALING_CHI2
 
 
 def ignore_stage(words: str, share: float) -> None:
-    """Ignore a report on the progress of map building; this is the default for callers that want no
-    reports.
+    """Ignore a report on the progress of map building, which names the stage and its finished share (0 to 1).
+
+    This is the default for callers that want no reports.
     """
 
 
@@ -143,8 +144,8 @@ class KeyframeGraph:
             self.optimize()
 
     def optimize(self) -> None:
-        """Optimize the poses of the keyframes, without loop closures that contradict the other
-        measurements.
+        """Optimize the poses of the keyframes, without loop closures that contradict the other measurements
+        by a squared error of more than `CHI2_LIMIT`.
         """
         while True:
             poses = optimize(np.array(self.poses), self.edges)

@@ -104,7 +104,7 @@ class ParticleFilter(FieldLocalizer):
 
     @property
     def heading_known(self) -> bool:
-        """True if the spread of the particles' headings is small enough for the heading to count as known."""
+        """True if the standard deviation of the particles' headings is at most the limit for a known one."""
         return bool(self._covariance[2, 2] <= self._heading_sigma**2)
 
     @property

@@ -106,7 +106,7 @@ class TrackRecord:
 
     @property
     def entries(self) -> Entries:
-        """Size of the record now, to which `rewind` can reset it later."""
+        """Number of marked moments in the record now, and its latest one, to which `rewind` can reset it."""
         return Entries(self._starts, len(self._links), self._latest)
 
     def rewind(self, entries: Entries) -> None:

@@ -55,7 +55,8 @@ class ScanBeams(NamedTuple):
 class StartFit(NamedTuple):
     """Result of comparing a scan with the map at a stated start pose and at other poses.
 
-    It states how well the scan fits at the stated start pose, and whether it fits clearly better elsewhere.
+    It has the share of beams that the map explains from the stated pose, and the place, if any, from which it
+    explains at least `MIN_SHARE_GAIN` more.
     """
 
     share: float

@@ -29,7 +29,7 @@ class GapFound(NamedTuple):
 
     @property
     def centre(self) -> float:
-        """Lateral middle between the gap's edges in the shelf frame, in [m]."""
+        """y of the middle between the gap's edges, in the shelf frame, in [m]."""
         return (self.left + self.right) / 2
 
     @property
