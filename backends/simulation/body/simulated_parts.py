@@ -139,7 +139,8 @@ class SimulatedArm(ForceArm):
     def swing_yaw(self) -> float:
         """Return the angle by which the arm's last motion turned the base to the left, in [rad].
 
-        To be called only if that motion was a swing (`swung`), a long motion of the hand with a load.
+        To be called only if that motion was a swing (`swung`): by `swing_from_mm` or more with a load; if
+        that key is 0, any motion.
         """
         return swing_yaw(self._errors, self._seed, self._motions)
 

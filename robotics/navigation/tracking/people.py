@@ -46,7 +46,7 @@ class People(NamedTuple):
 
     @property
     def moving(self) -> BoolArray:
-        """Mask (p,) of the people whose velocity is not zero."""
+        """Mask (p,) of the people and carts whose velocity is not zero."""
         return np.asarray((self.velocities != 0.0).any(axis=1))
 
     @property
