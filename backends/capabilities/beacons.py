@@ -28,4 +28,4 @@ class Beacons(Capability):
 
     @abstractmethod
     def ranges(self) -> BeaconRanges | None:
-        """Return the ranges measured during this period; None if the radio measured nothing."""
+        """Return the ranges measured in the current control period; None if the radio measured nothing."""

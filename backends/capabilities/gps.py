@@ -26,4 +26,4 @@ class Gps(Capability):
 
     @abstractmethod
     def fix(self) -> Fix | None:
-        """Return the fix that arrived during this period; None if none arrived."""
+        """Return the fix that arrived in the current control period; None if none arrived."""

@@ -21,7 +21,7 @@ class RangeSensor(Capability):
 
     @abstractmethod
     def scan(self) -> Scan:
-        """Return this period's scan."""
+        """Return the lidar's scan of the current control period."""
 
     def scan_later(self) -> Callable[[], Scan]:
         """Return a function that returns this period's scan whenever it is called.

@@ -97,7 +97,7 @@ class CameraInfo(FileModel):
 
     @property
     def model(self) -> CameraModel:
-        """Camera model that the file describes."""
+        """Camera model (lens and picture size) that a calibration file `camera_info` describes."""
         return CameraModel(self.K, self.distortion, self.image_width, self.image_height, self.lens)
 
     @property

@@ -121,7 +121,8 @@ class SensorTable(FileModel):
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Return a copy in which the attributes named in `update` have new values.
 
-        An older key in `update`, such as `camera`, replaces the first sensor of that kind.
+        A key of older versions in `update`, such as `camera`, replaces the first sensor of the kind that the
+        key names.
         """
         given = dict(update or {})
         old = {key: given.pop(key) for key in OLD_KEYS if key in given}

@@ -24,7 +24,7 @@ class RosImu(TopicSensor, Imu):
 
     @override
     def rates(self) -> FloatArray:
-        """Return the mean turn rates (3,) about the base's axes, in [rad/s].
+        """Return the turn rates (3,) about the base's axes, in [rad/s], as mean of the messages of a period.
 
         Raises:
             StaleSensor: the last message is too old.

@@ -21,7 +21,7 @@ _LEVEL = 1e-6
 
 
 class MissingShape(InputError):
-    """Error for a robot's URDF that has no usable box for the tray or the fingers."""
+    """Error for a robot's URDF that has no box for the tray or the fingers, or whose box is tilted."""
 
 
 class TrayShape(NamedTuple):

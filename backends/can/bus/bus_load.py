@@ -39,7 +39,7 @@ class CyclicFrame(NamedTuple):
 
     @property
     def bits(self) -> int:
-        """Largest number of bits of the frame on the wire."""
+        """Number of bits of the frame on the wire, with the largest possible number of stuff bits."""
         return frame_bits(self.length)
 
 

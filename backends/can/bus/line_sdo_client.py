@@ -37,7 +37,7 @@ class LineSdoClient(SdoClient):
         return super().upload(index, subindex)
 
     def download(self, index: int, subindex: int, data: bytes, force_segment: bool = False) -> None:
-        """Write an object of a node, as canopen's `SdoClient.download` does."""
+        """Write `data` into an object of a node; `force_segment` also sends up to 4 bytes in segments."""
         self._left = _FRAMES
         super().download(index, subindex, data, force_segment)
 

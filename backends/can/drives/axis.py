@@ -260,7 +260,7 @@ class Axis(canopen.RemoteNode):
         self._asked += 1
 
     def advance(self) -> None:
-        """Advance the motion that is expected of the axis, by its last command, by one control period."""
+        """Advance the expected motion, which follows from the axis' last command, by one control period."""
         self.expected.advance(self._target, self._top, self.period)
 
     @property

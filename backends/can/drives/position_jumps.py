@@ -48,8 +48,8 @@ class PositionJumps:
         self._speeds += (reported, commanded)
 
     def excess(self, moved: int, periods: int) -> float:
-        """Return the encoder counts by which a travel exceeds the plausible range; negative below the range,
-        0 within it.
+        """Return the encoder counts by which a travel is above the range that is plausible for the latest
+        speeds; negative if it is below this range, 0 within it.
 
         Args:
             moved: signed difference of two measured positions, in [counts].

@@ -32,8 +32,8 @@ INTEGER32_RANGE = PositionRange(-(2**31), 2**31 - 1)
 
 
 def described_range(dictionary: ObjectDictionary) -> PositionRange:
-    """Return the range of position counts that an EDS file states, by the limits of 6064h and the defaults of
-    607Bh.
+    """Return the range of position counts that an EDS file states, by the limits of its object 6064h (actual
+    position) and the default values of its object 607Bh (position range limit).
     """
     found = INTEGER32_RANGE
     position, limit = dictionary.get(POSITION), dictionary.get(RANGE_LIMIT)

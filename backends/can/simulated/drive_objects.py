@@ -38,7 +38,7 @@ class DriveObjects:
         self._values[(index, 0) if isinstance(index, int) else index] = value
 
     def reset(self) -> None:
-        """Reset all values, as at power on."""
+        """Reset the values of all objects to their defaults, as when the drive is switched on."""
         self._values.clear()
 
     def described(self, index: int, subindex: int = 0) -> bool:

@@ -52,7 +52,8 @@ class TrafficWatch(Watch):
         self._bits += bits
 
     def check(self, now: float) -> None:
-        """Raise `Overloaded` if the bus load is too high or too many frames are malformed.
+        """Raise `Overloaded` if the bus load was above `BUSIEST` for half of `WINDOW`, or at least
+        `MAX_MALFORMED_PER_S` malformed frames came within a second.
 
         Args:
             now: present time, in [s].

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Style(NamedTuple):
-    """Light and colours of rendered pictures, for people or for cameras."""
+    """Light and colours of rendered pictures, either for people or as readings of simulated cameras."""
 
     coloured: bool
     """True for colours, False for the greys of a camera."""

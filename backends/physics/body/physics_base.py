@@ -50,7 +50,8 @@ class PhysicsBase(CommandedBase):
         self.drives.speeds = rims * self._scale / self._drive.wheel_radius_m
 
     def give(self, turn: float) -> None:
-        """Turn the standing base by an angle to the left, in [rad], that its encoders do not measure.
+        """Turn the base, which is at rest, by an angle to the left, in [rad], by turning its wheels without
+        a reading of their encoders.
 
         This simulates tyres that yield when the arm swings.
         """

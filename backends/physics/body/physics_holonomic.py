@@ -66,8 +66,8 @@ class PhysicsHolonomicBase(CommandedHolonomicBase):
         self.drives.speeds = (speed + half * self._sides) / self._drive.wheel_radius_m
 
     def give(self, turn: float) -> None:
-        """Turn the standing base in the next period by an angle to the left, in [rad], that its encoders do
-        not measure.
+        """Turn the base, which is at rest, by an angle to the left, in [rad], during the next control period
+        of the simulation. The encoders of its wheels do not measure this turn.
         """
         self._given += turn
 

@@ -164,7 +164,7 @@ class Engine(ABC):
 
     @abstractmethod
     def show(self, body: int, picture: ByteArray) -> None:
-        """Replace the texture of a thing's faces by a grey picture (h, w), 0 to 255."""
+        """Replace the texture of all faces of a thing by one grey picture (h, w), 0 to 255."""
 
     @abstractmethod
     def weigh(self, body: int, mass: float) -> None:

@@ -23,6 +23,9 @@ class PhysicsSite(NamedTuple):
 def physics_of(site: SensorSite[Any]) -> PhysicsSite:
     """Return engine, robot and world of the backend in which a sensor is built.
 
+    Args:
+        site: parts of the simulation from which the sensor is built.
+
     Raises:
         TypeError: the sensor is not built by a backend with physics.
     """

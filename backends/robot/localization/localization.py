@@ -181,7 +181,7 @@ class Localization(ABC):
 
     @property
     def sensed(self) -> Sensed | None:
-        """Readings of wheels, IMU, satellite receiver and beacons in the last period; None indoors."""
+        """Readings of wheels, IMU, satellite fix and beacons in the last control period; None indoors."""
         return None
 
     @property

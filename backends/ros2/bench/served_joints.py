@@ -76,7 +76,7 @@ class ServedJoints:
     def wanted(self, now_s: float, period: float, measured: Mapping[str, float]) -> Mapping[str, float]:
         """Return the commanded positions at the end of a period, in [rad] or [m] by the joint's name.
 
-        Empty before the first goal.
+        The result is empty before the first goal of the served ROS action (motion of these joints).
 
         Args:
             now_s: time of the bench at the beginning of the period, in [s].
@@ -93,8 +93,8 @@ class ServedJoints:
         return {} if self._plan is None else self._plan.at(now_s + period)
 
     def settle(self, now_s: float, measured: Mapping[str, float], presses: bool) -> None:
-        """End the goal of the ROS action if the joints have reached it, or if they cannot reach it any more:
-        a joint is late, or an object between the fingers stops them.
+        """End the goal of the ROS action if the joints have reached it, if a joint is still off more than
+        `GOAL_TIME_S` after the planned end, if an object stops the fingers, or for a simulated fault.
 
         Args:
             now_s: time of the bench, in [s].

@@ -327,5 +327,5 @@ def _node_and_type(end: Any) -> str:
 
 
 def node_name(what: str) -> str:
-    """Return a node name that contains `what` and is unique on this machine."""
+    """Return a name for a ROS node that is unique on this machine and contains `what`, its purpose."""
     return f"handcart_{what}_{os.getpid()}_{time.monotonic_ns() % 100_000}"

@@ -55,7 +55,7 @@ class RoughRide:
         self._turn_slip, self._stood, self._legs = 0.0, math.inf, 0
 
     def motion(self, rolled: float, bend: float, period: int) -> Pose2:
-        """Return the base's pose at the end of a period in the base frame at its start, without obstacles.
+        """Return the base's pose at the end of a period, in the base frame at its start, ignoring obstacles.
 
         Args:
             rolled: the wheels' travel, in [m].

@@ -10,7 +10,7 @@ WAITING_TIME_S = 1.0  # [s] that the robot is there with an empty tray and hand 
 
 
 class Person:
-    """Simulated person who puts the next book onto the robot's tray.
+    """Simulated person who puts the books to be returned onto the robot's tray, one after the other.
 
     The person puts down a book when the robot has been at rest near its initial pose, with tray and hand
     empty, for 1 s.
@@ -21,8 +21,8 @@ class Person:
         self._books, self._start = books, books.scene.base
 
     def step(self) -> None:
-        """Advance by one period: hand over the next book if the robot has been ready to receive it for 1
-        s.
+        """Advance the person by one control period: put the next of the books to be returned onto the tray if
+        the robot has been ready to receive it for 1 s.
         """
         books, scene, waits = self._books, self._books.scene, self._books.waits
         if not books.to_come or not scene.robot.has_tray:

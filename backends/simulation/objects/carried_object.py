@@ -46,8 +46,8 @@ class CarriedObject(PlacedThing, PrintedThing):
         """Return an object at the pose of its spec, with random errors of the person who sets it down.
 
         Args:
-            scene: scene with the robot in place; its file has the standard deviations of a person's errors.
-            spec: the object and its nominal pose; errors with its own standard deviations are added.
+            scene: scene with the robot in place, whose file has the standard deviations of a person's errors.
+            spec: the object and its nominal pose; errors with the object's own standard deviations are added.
             seed: seed of the errors.
             others: further fields of the class.
         """

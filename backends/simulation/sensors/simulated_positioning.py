@@ -65,7 +65,9 @@ class SimulatedPositioning(Positioning, SimulatedSensor):
         return PoseReading(number, pose, self._now * self._period - when)
 
     def advance(self, period: int) -> None:
-        """Take the measurements due in this period, and report those whose latency is over."""
+        """Take the measurements due by the control period with number `period`, and report those whose
+        latency has passed.
+        """
         self._now = period
         self._take()
 

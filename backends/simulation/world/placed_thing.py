@@ -65,7 +65,7 @@ class PlacedThing(Thing):
         """Return a thing that a person sets down on a table or the robot's tray, with small random errors.
 
         Args:
-            scene: scene with the robot in place; its file has the standard deviations of the errors.
+            scene: scene with the robot in place, whose file has the standard deviations of the errors.
             spec: the thing, and its nominal pose.
             seed: seed of the errors.
             others: further fields of the class.
