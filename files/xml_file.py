@@ -42,7 +42,7 @@ def read_xml_text(path: Path | str, check: Check | None = None, max_bytes: int =
     Raises:
         FileError: the file is missing, is not a regular file or is too large; its content is not UTF-8, not
             well-formed, nested too deeply, or has too many elements and attributes or a document type (which
-            could define endless entities); or `check` yielded a problem. With line and column.
+            could define endless entities); or `check` yielded a problem. It states line and column.
     """
     return checked_xml(read_regular_file(path, max_bytes), str(path), check)
 

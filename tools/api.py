@@ -212,7 +212,7 @@ def campaign(
         trials: number of trials.
         first: seed of the first trial.
         jobs: number of parallel processes; with more than one, a script needs `if __name__ == "__main__":`.
-            None: 2, on the network alone 1.
+            None: 2, or 1 if `level` is not `run`.
         backend: another backend than the task names.
         robot: another robot than the task names, a shipped robot's name or the path of a robot's file.
         set: parameters of the task.

@@ -66,7 +66,7 @@ class SchemaWalk:
                 return schema
 
     def fields(self, schema: Schema) -> dict[str, Schema]:
-        """Return the keys of a mapping with known keys, as spelled in the file, with their schemas."""
+        """Return the schema of each key, as spelled in files, of a model; empty for other schemas."""
         if schema["type"] not in ("model-fields", "typed-dict"):
             return {}
         return {

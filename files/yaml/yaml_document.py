@@ -98,7 +98,7 @@ class Document:
 
 
 def read_document(path: Path | str, *, max_bytes: int = MAX_BYTES, max_nodes: int = MAX_NODES) -> Document:
-    """Read the YAML file `path`; raises `FileError` with all that is wrong with it as YAML."""
+    """Read the YAML file `path`; raise `FileError` if it is not readable or not valid YAML."""
     document = parse_document(read_regular_file(path, max_bytes), str(path), max_nodes=max_nodes)
     return replace(document, root=_with_changes(Path(path), document.root))
 
@@ -138,7 +138,7 @@ def parse_document(content: bytes, file: str, *, max_nodes: int = MAX_NODES) -> 
         max_nodes: largest allowed number of values.
 
     Raises:
-        FileError: with all that is wrong with it as YAML.
+        FileError: the bytes are not valid YAML; the error has a finding for each fault.
     """
     text = decode_text(content, file)
     root = _fast_tree(text, file, max_nodes) or _tree(text, file, max_nodes)

@@ -99,9 +99,9 @@ class StateCodes:
         return State(self._names[place], tuple(fails))
 
     def forgotten(self, states: FlowStates) -> FlowStates:
-        """Return the states without counts of Fails that no longer matter, set to 0.
+        """Return the states with those counts of Fails set to 0 that no longer matter.
 
-        A count no longer matters if none of its actions can be started from the state any more.
+        A count no longer matters if none of the actions whose Fails it counts can be reached from the state.
         """
         return states._replace(counts=states.counts * self._keeps[states.place])
 

@@ -37,10 +37,10 @@ class Chain:
     """Average number of skips."""
 
     def with_flow(self, flow: FlowResult) -> Chain:
-        """Return the chain with the probabilities of its ends, and the average starts of its actions, from a
-        `RuleFlow`.
+        """Return the chain with its ends' probabilities, and the average number of starts of each action, as
+        computed by a `RuleFlow`.
 
-        `RuleFlow` follows runs through more states than the chain has, so that its figures are better.
+        `RuleFlow` follows runs through more states than the chain has, so that its figures are more accurate.
         """
         starts = tuple(map(float, flow.starts))
         return replace(self, ends=flow.ends, starts=starts, ended=flow.ended, skips=flow.skips)

@@ -109,10 +109,11 @@ class AimWatch:
         return False
 
     def due(self, priority: int | None) -> int | None:
-        """Return the number of an interrupt that has become due; None if none has.
+        """Return the number of an interrupt (goal to pursue first) whose condition has come true; None if
+        there is none.
 
-        An interrupt is returned once each time that it becomes due. Of several, it is that of the highest
-        priority.
+        An interrupt is returned once each time that its condition comes true. Of several interrupts, it is
+        the one of the highest priority.
 
         Args:
             priority: priority of the interrupt that the run pursues now; only a higher one is returned. None:

@@ -42,7 +42,9 @@ class DayClock(ABC):
         """
 
     def was_set(self) -> bool:
-        """Return whether the clock was set since the last call, so that `next` has to be called again."""
+        """Return whether the clock was set to another time since the last call of this method, so that the
+        results of `next` are no longer valid.
+        """
         return False
 
     @abstractmethod

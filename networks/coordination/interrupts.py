@@ -28,11 +28,11 @@ class Interrupts:
         self._before: dict[signal.Signals, Any] = {}
 
     def stop_by(self, stop: Callable[[], object]) -> None:
-        """Register the function that stops the run that begins now.
+        """Register the function that stops the run that is about to begin.
 
         Args:
-            stop: the function; called at once if a signal came before, and for each signal from now on. It
-                must have no effect after the run's end.
+            stop: the function; called at once if a signal to end the program has already come, and again for
+                each later one. It must have no effect after the run's end.
         """
         self._stop = stop
         if self.came:

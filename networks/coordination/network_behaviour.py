@@ -61,7 +61,7 @@ class NetworkBehaviour(Behaviour):
         self._run = self._coordinator.run()
 
     def update(self) -> Status:
-        """Run one period, and return the status."""
+        """Run one control period of the network's task, and return the status of this behaviour."""
         if self._run is None or self._coordinator is None:
             return Status.FAILURE
         try:

@@ -9,7 +9,7 @@ from transitions import Machine
 
 
 class RunState(Enum):
-    """Present activity of a run."""
+    """Present state of a run, for example planning, acting, paused or ended."""
 
     PLANNING = "planning"
     WAITING_FOR_PERMISSION = "waiting for permission"

@@ -18,8 +18,8 @@ from .best_values import Decision
 def chances_of(network: ActionNetwork) -> list[Chance | None]:
     """Return the outcome probabilities of a network's actions, in the order of the network.
 
-    An action that only skips an element of a repeat has None. An action without stated probabilities succeeds
-    with probability 1.
+    The item is None for an action without a primitive, which only skips an element of a list over which the
+    task repeats actions. An action without stated probabilities succeeds with probability 1.
     """
     return [None if action.binding is None else _chance(action) for action in network.actions]
 

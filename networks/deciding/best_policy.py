@@ -118,7 +118,7 @@ class BestPolicy:
         return self._step(state, self.decision(state))
 
     def policy(self, start: State | None = None) -> Policy:
-        """Return the best decisions in the states that runs are likely to come to.
+        """Return the best decisions in the states that runs reach; those in unlikely states may be missing.
 
         Args:
             start: state in which the runs begin; None: the network's start without a Fail.
@@ -128,8 +128,8 @@ class BestPolicy:
         return visited(self.network, begin, self.known_step)
 
     def known_step(self, state: State) -> Step | None:
-        """Return the policy's decision in a state from the search so far; None if runs are unlikely to reach
-        the state.
+        """Return the policy's decision in a state by the search so far; None if the search has not examined
+        the state, or runs that follow the policy hardly ever reach it.
         """
         decision = self.values.likely(state)
         return None if decision is None else self._step(state, decision)

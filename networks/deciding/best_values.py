@@ -42,9 +42,9 @@ class BestValues:
 
     A decision is searched for when it is first needed.
 
-    The states form a graph, which is solved by its strongly connected components, the last ones first. A
-    component in which a run may come back to a state is solved by `ComponentSearch`. In the other components,
-    each state is solved from its successors.
+    The states form a graph, which is solved by its strongly connected components, each after those to which
+    it leads. A component in which a run may come back to a state is solved by `ComponentSearch`. In the other
+    components, each state is solved from its successors.
     """
 
     def __init__(self, process: Process, effort: Effort) -> None:

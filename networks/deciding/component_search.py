@@ -153,7 +153,8 @@ class ComponentSearch:
     def likely_decision(self, state: State) -> tuple[Action | None, float, float] | None:
         """Return the best action in a state, and the lower and upper bound of its expected cost, in [s].
 
-        The result is None if the state is not among the likeliest to which the best policy leads.
+        The result is None if the best policy never leads to the state, or if it leads to more than
+        `MAX_POLICY_STATES` states and this one is not among the `MAX_POLICY_STATES` most visited.
         """
         number = self._table.number(self._rows.key(state))
         if number is None or not self._made().is_likely[number]:

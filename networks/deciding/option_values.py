@@ -123,7 +123,7 @@ class RunOptionValues:
 
         Args:
             chances: outcome probabilities of each action; None: those of the task's file.
-            policy: policy that decides after this action; None: the network's.
+            policy: policy that chooses the actions after the first; None: the network's.
         """
         key = None if chances is None else tuple(chances), policy or self._network.policy
         if self._values is None or key != self._key:

@@ -68,7 +68,7 @@ def rule_price(process: Process, forecaster: Forecaster, forecast: Forecast) -> 
     """Return a lower and an upper bound of the expected price of a run that follows the rule, in [s].
 
     The rule always starts the first action of the cheapest plan to the goal. The price is the time of the
-    run, plus `person_s` if it ends short of the goal.
+    run, plus the price of a person's help (`person_s` of the task) if it ends short of the goal.
 
     Args:
         process: the network with its prices.

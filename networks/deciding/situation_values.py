@@ -36,7 +36,7 @@ class SituationValues:
     in s, g the action's probability of GiveUp, and p that of each situation t that the action may lead to.
     Attempts are unlimited here, so that V is at most the expected cost with limited attempts.
 
-    Strongly connected components of situations are solved one by one, the last ones first. One step solves a
+    Strongly connected components are solved one by one, each after those to which it leads. One step solves a
     component without a loop (Knuth 1977), policy iteration all others (Howard 1960).
     """
 

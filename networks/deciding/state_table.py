@@ -99,8 +99,8 @@ class StateTable:
     def add(self, rows: Uint16Array) -> IntArray:
         """Add states that are not in the table yet, and return the numbers (n,) of all given states.
 
-        The lower cost bound of a new state is that of its situation without the actions that its Fails
-        exclude; the upper bound is the cost of stopping there.
+        The lower cost bound of a new state is that of its situation if the actions are not available whose
+        limit of Fails is reached; the upper bound is the cost of ending the run in the situation.
 
         Args:
             rows: (n, 1 + counters) states: index of the situation, then the number of Fails by each counter.
@@ -204,7 +204,8 @@ class StateTable:
         """Return the least expected costs (states,) after one step of value iteration, in [s].
 
         Args:
-            values: (states,) present costs, in [s]; states whose options are not known yet keep their costs.
+            values: (states,) present costs, in [s]; states whose options (possible actions) are not computed
+                yet keep their costs.
         """
         found = np.where(self.expanded, self.stop, values)
         if len(self._first.all):

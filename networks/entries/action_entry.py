@@ -103,5 +103,5 @@ class ActionEntry(TaskEntry):
 
     @property
     def is_plain(self) -> bool:
-        """True if Success leads to one situation, whose probability is `p`."""
+        """True if Success always leads to the same situation; `p` is then the probability of Success."""
         return self.then is None

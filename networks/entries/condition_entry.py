@@ -28,7 +28,7 @@ class ConditionEnding(EndingChance):
 
     @property
     def changes(self) -> Mapping[str, Fact]:
-        """New values of the facts that change when the action succeeds in this way, by the facts' names."""
+        """New values of the facts that change by this effect of a successful action, by the facts' names."""
         return self.__pydantic_extra__
 
 

@@ -26,7 +26,7 @@ RESERVED_NAMES = ("p", "result")
 
 @dataclass(frozen=True)
 class FactSpace:
-    """Names and possible values of a task's facts; a `State` is a value's index for each fact.
+    """Names and possible values of a task's facts; a `State` has for each fact the index of its value.
 
     Physical facts hold in the world; known facts only describe the robot's knowledge.
     """

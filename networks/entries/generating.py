@@ -112,7 +112,8 @@ class NetworkGenerator:
             start: values by fact at the start; all other facts have the first of their values.
             otherwise: conditions of the situations to go to when no route to the goal is left, the most
                 preferred first.
-            interrupts: for each interrupt of the file, conditions of the situations that end it.
+            interrupts: for each interrupt in the task's file (a detour, for example to charge), conditions
+                of the situations that end it.
 
         Raises:
             NotGenerated: the network has more than `MAX_SITUATIONS` situations or `MAX_ACTIONS` actions, or a

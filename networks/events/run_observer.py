@@ -28,7 +28,7 @@ class RunObserver:
         """Handle the end of a control period during the run."""
 
     def event(self, event: Event) -> None:
-        """Handle an event; its contents are in the journal."""
+        """Handle an event of the run, such as the start of an action; the journal contains its fields."""
 
     def end(self) -> None:
         """Finish observing after the run has ended or could not continue; called once."""

@@ -95,7 +95,8 @@ class Aims:
 
     @classmethod
     def of(cls, fields: dict[str, Any]) -> Aims:
-        """Return time-out, rounds and interrupts of a task from a journal's header.
+        """Return a task's time-out, rounds (repetitions of the task, such as hourly) and interrupts (goals
+        pursued first when a condition holds), read from the header of a run's journal.
 
         Raises:
             LookupError, TypeError: the header's fields are invalid.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Ending:
-    """A further situation that a Success of an action may lead to, and the result with which it does."""
+    """Situation that a Success may lead to instead of the action's usual one, with the primitive's result."""
 
     target: str
     result: str = ""

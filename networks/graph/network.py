@@ -210,7 +210,7 @@ class Action:
 
     @property
     def do(self) -> str:
-        """Name of the primitive in files; SKIP if the action leaves an element of a `repeat` undone."""
+        """Name of the primitive in files; SKIP if the action skips an element of a list of a `repeat`."""
         return self.binding.label if self.binding else "SKIP"
 
     @property

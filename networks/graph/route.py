@@ -21,7 +21,7 @@ class NotStarted:
 
 @dataclass(frozen=True)
 class Elsewhere(NotStarted):
-    """Result of an action not started because somebody changed the world, so that another situation holds."""
+    """Result for an action that is not started because somebody changed the world, with the new situation."""
 
     situation: str
 

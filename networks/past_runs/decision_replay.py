@@ -34,7 +34,7 @@ class DecisionDifference:
     """Reason in words; empty if there is no more to say."""
 
     def words(self) -> str:
-        """Describe the difference in one sentence."""
+        """Describe in one sentence how the past run decided, and how the present code decides instead."""
         why = f"; {self.why}" if self.why else ""
         where = f"record {self.record} at {self.time_s:.3f} s"
         return f"{where}: the run {self.journal}, today's code {self.today}{why}"

@@ -29,7 +29,7 @@ _BOOT = Path("/proc/sys/kernel/random/boot_id")
 def header(prepared: Prepared, begins_at: time_of_day | None = None) -> dict[str, Any]:
     """Return the fields of a journal's first record, RUN, with task, network, robot, backend and seed.
 
-    They are equal in two runs with one seed.
+    They are equal in two runs of the same task with the same seed.
 
     Args:
         prepared: the prepared run.
@@ -159,9 +159,9 @@ def robot_fingerprint(spec: RobotFile) -> str:
 
 
 def process_facts() -> dict[str, Any]:
-    """Return process ID, boot ID, hash seed and monotonic time in [s], for records RUN and EPOCH.
+    """Return process ID, boot ID, hash seed and monotonic time in [s], for a journal's records RUN and EPOCH.
 
-    They differ between two runs with one seed, and are kept outside the journal's chain of checksums.
+    They differ between two runs with the same seed, and are not part of the journal's chain of checksums.
     """
     return {
         "monotonic_s": round(time.monotonic(), 6),

@@ -40,7 +40,9 @@ def goal_faults(
 def interrupt_faults(
     entries: Sequence[SituationInterrupt], situations: Mapping[str, object]
 ) -> Iterator[Fault]:
-    """Yield a fault for each interrupt whose goal is not a situation of the file."""
+    """Yield a fault for each interrupt (detour when a condition holds) whose goal is not a situation of the
+    task's file.
+    """
     for number, entry in enumerate(entries):
         if situations and entry.goal not in situations:
             wrong = f"unknown situation {entry.goal!r}{suggest(entry.goal, situations)}"

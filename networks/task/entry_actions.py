@@ -70,7 +70,7 @@ def entry_faults(
     Args:
         entry: the entry.
         known: situations of the file, by name.
-        budgets: names of the task's budgets.
+        budgets: names of the task's budgets (numbers of attempts that several actions share).
         done: names of all primitives in the file.
     """
     target = entry.endings[0].target

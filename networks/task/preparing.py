@@ -113,7 +113,7 @@ def prepare(
         NoBench: the backend has no drives, or cannot be behind a bench.
         UnknownSituation: the task has no such situation.
         NoWindow: robot and world cannot be shown.
-        FileError: with every finding in all of the files.
+        FileError: a file has faults; the error lists the faults of all files.
     """
     read = _read(task_path, backend, settings, primitives, situation, errors, resumed)
     return _built(read, settings, seed, window, errors, bench)
@@ -195,7 +195,7 @@ class Checked(NamedTuple):
     """Places that no file has, because domains compute them for the robot."""
 
     def place_lines(self) -> Iterator[str]:
-        """Yield a line of text for each place, with its clearance and route, or its pose if computed."""
+        """Yield a line of text for each place: with clearance and route, or for a computed place its pose."""
         yield from (place.words() for place in self.places)
         yield from (place.words() for place in self.computed)
 
@@ -292,7 +292,8 @@ def check(
 
     Raises:
         UnknownSituation: the task has no such situation.
-        FileError: with every finding in all of the files, except findings on places, which are returned.
+        FileError: a file has faults; the error lists those of all files, except faults of places, which are
+            returned.
     """
     read = _read(task_path, backend, settings, primitive_class, situation, True, only_looked=True)
     if read.spec is None or read.known is None or read.findings:

@@ -129,10 +129,10 @@ class TaskHead(AimsHead):
 
     @property
     def belief_attempts(self) -> float | None:
-        """Number of observed attempts of an action that the probabilities in the task's file are worth.
+        """Weight of the probabilities in the task's file, as a number of observed attempts of an action.
 
-        They are the prior of the beliefs that a run updates by its outcomes. The number is None if the run
-        does not update them.
+        The probabilities are the prior of the beliefs that a run updates by its outcomes. The weight is None
+        if the run does not update its beliefs.
         """
         return None if self.belief is None or self.policy == "rule" else self.belief.attempts
 

@@ -218,11 +218,11 @@ class OpenCampaign:
         """Run the missing trials until all are done or the claim `until` is decided; yield numbers of new
         trials.
 
-        Trials on the network alone that need not be stored are counted in batches of thousands; each of them
-        can be repeated by its seed.
+        Trials that are random walks through the network, without a robot, and need not be stored are counted
+        in batches of thousands; each of them can be repeated by its seed.
 
         Args:
-            jobs: number of parallel processes; None: 2, on the network alone 1.
+            jobs: number of parallel processes; None: 1 for random walks, otherwise 2.
             cluster: address of a Dask scheduler, or path of its file; its workers run the trials instead.
 
         Raises:

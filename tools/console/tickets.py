@@ -45,7 +45,7 @@ class Tickets:
         """Return the ticket (permission to open a file once) that was issued with a random word, and
         invalidate it.
 
-        The result is None if the word is unknown or its ticket is too old.
+        The result is None if the word is unknown, or was issued more than `VALID_S` seconds ago.
         """
         ticket = self._given.pop(word, None)
         return ticket if ticket is not None and time.monotonic() < ticket.until else None

@@ -86,7 +86,7 @@ class Watcher:
         return None if listed is None else listed.folder
 
     def alive(self, name: str) -> bool:
-        """Return whether a run is running."""
+        """Return whether a program is executing the run with this name, by its last answer to a query."""
         return name in self._live
 
     async def look_now(self, name: str) -> None:
@@ -99,7 +99,7 @@ class Watcher:
         return [self._state(name, listed) for name, listed in self._listed.items()]
 
     def close(self) -> None:
-        """Stop the threads in which `away` calls functions; calls that have not begun are cancelled."""
+        """Stop the threads in which slow functions are called; calls that have not begun are cancelled."""
         self._pool.shutdown(wait=False, cancel_futures=True)
 
     def _list(self) -> dict[str, ListedRun]:

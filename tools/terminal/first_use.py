@@ -22,6 +22,9 @@ def first_words(what: str) -> Iterator[Callable[[], None]]:
     The message is not printed after the yielded function was called. A stage (`begin_stage`) that takes
     longer than a second is printed with its name, once. Import the modules of a command in this context too:
     on a fresh machine, the import takes longer than a second.
+
+    Args:
+        what: text of the message, such as "loading task.yaml".
     """
     waiting = _Waiting(what)
     with hearing_of_stages(waiting.begin):

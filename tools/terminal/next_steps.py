@@ -31,7 +31,10 @@ def ended_words(summary: Mapping[str, Any]) -> str:
 
 
 def next_steps(summary: Mapping[str, Any]) -> list[str]:
-    """Return commands that may be useful after a run, and the path of its page, given the run's summary."""
+    """Return commands that may be useful after a run, then the path of its report page, if it exists.
+
+    `summary` is the run's summary, with its folder and outcome.
+    """
     folder = Path(str(summary["run_dir"]))
     run = shlex.quote(str(folder))
     steps = [step.format(run) for step in STEPS_BY_OUTCOME.get(str(summary["outcome"]), (EXPLAIN,))]

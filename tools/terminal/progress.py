@@ -71,7 +71,7 @@ class Progress(RunObserver):
         self.end()
 
     def end(self) -> None:
-        """Remove the line with the present activity from the terminal; a second call does nothing."""
+        """Remove the line with the robot's present action from the terminal; a second call does nothing."""
         with suppress(OSError):
             self._status.stop()
 

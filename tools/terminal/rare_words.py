@@ -70,7 +70,7 @@ class RareWords:
             yield f"\nrun folders of some that ended so: {', '.join(kept[:10])}"
 
     def facts(self) -> dict[str, Any]:
-        """Return the report as a dictionary of fields, for `--json`."""
+        """Return the report on a rare outcome's estimated probability as fields for `--json`."""
         found = self._found
         return {
             "rare": dict(self._event),

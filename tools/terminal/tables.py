@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 def table_of(*columns: str, rows: Sequence[Sequence[str]]) -> Table:
-    """Return a plain table with these column titles; each row has a text for each column."""
+    """Return a plain table with the titles `columns`; each of `rows` has a text for each column."""
     from rich import box
     from rich.table import Table
     from rich.text import Text
