@@ -62,7 +62,7 @@ def see_block(
 
 
 def why_unseen(robot: Robot, plan: Building, base_T_block: Transform) -> str:
-    """Return a message why `see_block` has just found no block.
+    """Return a message why no block was found at its expected pose, for use after `see_block` has failed.
 
     A further picture is taken and searched for the bright face nearest to the expected pose.
     """

@@ -38,7 +38,7 @@ class Fixate(ActionPrimitive):
     picture has the least distortion of the lens, and a closed loop tolerates errors of the arm. A landmark
     out of view is searched for. All landmarks look alike; a visible one is identified by its neighbours, the
     building plan and the estimated pose of the base. If a visible landmark may be either of two, the camera
-    views the surroundings of both until only one is left.
+    views the surroundings of both until only one of the two is possible.
     """
 
     landmark: LandmarkName

@@ -15,7 +15,7 @@ NO_BOOKS = Catalogue(format="handcart-catalogue/1", books=())
 
 
 class Slot(NamedTuple):
-    """Slot of a book on its shelf, in the shelf's frame."""
+    """Gap in a row of books into which a book is to be inserted, in the frame of the shelf."""
 
     shelf: str
     """Name of the place with the shelf."""

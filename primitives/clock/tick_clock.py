@@ -17,7 +17,7 @@ _robot_time: ContextVar[Callable[[], float] | None] = ContextVar("_robot_time", 
 
 
 class WallClockError(RuntimeError):
-    """Error in a behaviour that reads the wall clock or sleeps."""
+    """Error of a py_trees behaviour, because it reads the wall clock or sleeps within a tick."""
 
 
 class TickTime(ModuleType):

@@ -40,8 +40,8 @@ def find_unmet(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> s
 def note_hand(primitive: ActionPrimitive, model: WorldModel) -> None:
     """Set the model's `in_hand` to what the hand holds after a primitive's Success.
 
-    The entry is unchanged if the primitive does not change the content of the hand, and empty if the hand is
-    then empty or its content unknown.
+    `in_hand` is unchanged if the primitive does not change the content of the hand. It is set to an empty
+    text if the hand is empty after the primitive, or its content unknown.
     """
     after = primitive.hand_use().after
     if after is not Hand.SAME:

@@ -111,10 +111,10 @@ class Explore(ActionPrimitive):
         return share >= MIN_EXPLAINED and self._last.target is None
 
     def watch(self, robot: Robot, model: ModelView) -> None:
-        """Collect the scan of this period for the map.
+        """Collect the lidar's scan of the current control period for the map that is being made.
 
         Raises:
-            NeedsPerson: the lidar is covered, or the robot's pose is lost.
+            NeedsPerson: the lidar is covered, or localization reports that the robot's pose is unknown.
         """
         self._lidar_watch.watch(robot, None)
         lost = robot.localization.lost

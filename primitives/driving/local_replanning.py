@@ -100,7 +100,10 @@ class LocalReplanning:
         return self._near.layer
 
     def sense(self, robot: Robot) -> None:
-        """Record people and obstacles in this period's scan; only people while the base's pose is unsure."""
+        """Record people and obstacles in the current scan of the lidar.
+
+        Only people are recorded while scans contradict the wheels, or the lidar repeats an old scan.
+        """
         self._near.follow(robot.pose)
         scan = robot.range_sensor.scan()
         map_T_sensor = robot.pose.compose(scan.base_T_sensor)

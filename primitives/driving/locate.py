@@ -130,10 +130,11 @@ class Locate(ActionPrimitive):
         return True
 
     def watch(self, robot: Robot, model: ModelView) -> None:
-        """Check the lidar and the odometry in this period.
+        """Check the lidar and the odometry, once in each control period.
 
         Raises:
-            NeedsPerson: the lidar is covered, or odometry has lost the route that the base has driven.
+            NeedsPerson: the lidar is covered, or the base's motion since the start is unknown, because
+                localization reports that odometry has failed.
         """
         self._lidar_watch.watch(robot, None)
         lost = robot.localization.lost

@@ -20,7 +20,10 @@ class LooksAtRest:
         self._due = False
 
     def due(self, remaining: float) -> bool:
-        """Return whether the base should stop for a scan now; called once a period.
+        """Return whether the base should stop for a scan now; called once a control period.
+
+        It should if the error that the drive has added to the pose has a sigma above `REST_SIGMA`, or above
+        `LAST_SIGMA` if less than `LAST_WAY` remains.
 
         Args:
             remaining: distance to the end of the drive, in [m].

@@ -55,7 +55,7 @@ class NearMap:
         """Distances to what the map shows in the window."""
 
     def follow(self, pose: Pose2) -> None:
-        """Centre the map's window on the base again if the base has moved too far from its middle.
+        """Centre the map's window on the base again if the base is over `MAX_OFF_M` from the window's middle.
 
         Args:
             pose: map_T_base.

@@ -128,7 +128,8 @@ class PeopleWatch:
     def note_waiting(self, robot: Robot, waits: bool) -> None:
         """Update `waits_since`, the time since which the base waits for a person; called once a period.
 
-        Short interruptions of waiting count as waiting.
+        Interruptions of up to `WAITING_PAUSE_S` count as waiting, unless the base moves by more than
+        `WAITING_MOTION_M`.
 
         Args:
             robot: the robot.

@@ -30,8 +30,8 @@ class SensorOnTheWay:
         self._robot, self._field, self._target = robot, field, target
 
     def motion(self, remaining: Callable[[], float]) -> Iterator[None]:
-        """Take a sensor while the base drives, wait until little of the route remains, and hold it over the
-        target.
+        """Take a sensor while the base drives, wait until the rest of the route is `REACH_OUT_DISTANCE_M` or
+        less, and hold the sensor over the point where it is to be laid.
 
         Args:
             remaining: function that returns the base's remaining distance, in [m].

@@ -225,7 +225,7 @@ class SensorArm:
             speed: speed of the slide, in [m/s].
 
         Returns:
-            Force from below that has stopped the hand, in [N]; 0 at the goal.
+            Force from below that has stopped the hand, in [N]; 0 if the slide has reached its goal.
         """
         robot = self._robot
         step = min(speed, float(robot.joint_speeds[2])) * robot.period * (1.0 - 1e-6)

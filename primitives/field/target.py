@@ -46,6 +46,6 @@ class Laid(NamedTuple):
 
     @property
     def spread(self) -> FloatArray:
-        """Covariance (2, 2) of the sensor's position in the field's frame, in [m²]."""
+        """Covariance (2, 2) of the laid sensor's position x, y in the field's frame, in [m²]."""
         xx, xy, yy = self.covariance
         return np.array([[xx, xy], [xy, yy]])

@@ -53,7 +53,7 @@ def load_targets(path: Path, field: Field, start: Pose2) -> dict[str, Target]:
         start: pose of the base at the start, world_T_base.
 
     Raises:
-        FileError: with every bad line.
+        FileError: the file has faults; the error lists every faulty line.
     """
     findings = Findings()
     rows = list((_geojson if path.suffix in (".geojson", ".json") else _csv)(path, findings))

@@ -78,7 +78,7 @@ class Place(FileModel):
 
     @property
     def docks(self) -> bool:
-        """True if the base docks there, in front of an object with a straight front."""
+        """True if the base docks at this place, in front of an object with a straight front."""
         return self.shelf is not None
 
     def need_of(self, drive: str) -> PoseNeed:

@@ -35,7 +35,7 @@ def pointing_down(place: Pose2, height: float) -> Transform:
 
 
 def on_level(pose: Transform) -> Pose2:
-    """Return x, y and heading of a pose (4, 4), in the frame of that pose's coordinates."""
+    """Return x, y and heading of a pose a_T_b (4, 4) as a pose in the plane, in the same frame a."""
     return Pose2(float(pose[0, 3]), float(pose[1, 3]), math.atan2(pose[1, 0], pose[0, 0]))
 
 

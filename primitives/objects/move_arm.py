@@ -18,7 +18,7 @@ from handcart.primitives.outcomes.discrepancy import Discrepancy
 
 
 class MoveArm(ActionPrimitive):
-    """Move the arm to a named posture, clear of surfaces and seen objects; a held object goes along."""
+    """Move the arm, with a held object, to a named posture without touching surfaces and seen objects."""
 
     posture: str
     """Name of a posture in the robot's file."""

@@ -137,7 +137,7 @@ class Residuals(Mapping[str, float]):
 
     @property
     def words_with_limits(self) -> str:
-        """Values and limits for people: `base_mm 312 (at most 25)`."""
+        """All residuals with their limits, as text for people, such as `base_mm 312 (at most 25)`."""
         return ", ".join(
             f"{item.label} {item.value:.3g} (at most {math.nan if item.limit is None else item.limit:.3g})"
             for item in self.all

@@ -22,7 +22,7 @@ def renew_arm(robot: Robot, moment: Moment) -> bool:
     """Command the arm to the joints of a recorded moment, unless they are its last command.
 
     Returns:
-        True if a new command was given; False without an arm.
+        True if a new command was given; False without an arm, or if no new command was needed.
     """
     arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
     if arm is None or not np.any(arm.command() != moment.joints):

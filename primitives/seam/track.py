@@ -92,7 +92,7 @@ class Track(ActionPrimitive):
 
     @property
     def tracking(self) -> ToolPath | None:
-        """Part of the seam that the tool is tracking in this period; None before and after tracking."""
+        """Part of the seam that the tool is following at present; None before and after this motion."""
         return self._part if self._at is not None else None
 
     @override

@@ -46,8 +46,8 @@ class PlannedGrasp(NamedTuple):
 
 
 class GraspChoice(NamedTuple):
-    """Grasps found for an object, the best one first, with the numbers of grasps that were tried and that the
-    arm reaches.
+    """Collision-free grasps found for an object, the best one first; also the number of grasps that were
+    tried, and the number of those that the arm can reach.
     """
 
     planned: tuple[PlannedGrasp, ...]

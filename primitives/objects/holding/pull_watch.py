@@ -41,14 +41,14 @@ class PullWatch:
         """True once the force was at rest where the hand is: only a later force counts as a pull."""
 
     def measure_rest(self, weight_n: float | None = None) -> Generator[None, None, None]:
-        """Measure the force at rest, with nobody near.
+        """Measure the force on the hand at rest, while nobody pulls at the held object.
 
         Args:
             weight_n: weight of the held object, in [N]; None if it is unknown.
 
         Raises:
-            Discrepancy: the force's noise would hide a pull of `least_n`, or the force differs from the
-                weight because somebody pulls already.
+            Discrepancy: the force's noise would hide the least pull that has to be detected, or the force
+                differs from the weight by such a pull, because somebody pulls already.
         """
         mean, self._sigma = yield from self._readings()
         beside = 0.0 if weight_n is None else float(np.linalg.norm(mean + np.array([0.0, 0.0, weight_n])))
@@ -133,7 +133,8 @@ class PullWatch:
         return None if _pushes(mean, self._robot.base_T("hand")[:3, 3]) else mean
 
     def lasts(self, pull: FloatArray) -> bool:
-        """Return whether the last reading still has most of a pull's force, in the direction of the pull.
+        """Return whether the last reading of the force, along the direction of a pull, is still at least
+        `LASTING_SHARE` of the force of the pull.
 
         Args:
             pull: (3,) force of the pull when it began, in the base frame, in [N].

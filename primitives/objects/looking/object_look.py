@@ -65,8 +65,8 @@ class ObjectLook:
         return [read for read in self.reads if read.object == name]
 
     def others(self, name: str) -> str:
-        """Return a list in words of the objects other than `name`, and the unknown tags, whose tags were read
-        in the pictures; "nothing" if there are none.
+        """Return a text that lists the tags read in the pictures, except those of the object `name`: known
+        tags as their object's name, unknown ones as a label; "nothing" if no other tag was read.
         """
         found = dict.fromkeys(read.object or read.label for read in self.reads if read.object != name)
         return ", ".join(found) or "nothing"

@@ -109,7 +109,8 @@ class SeenTwice(NamedTuple):
 def locate(
     reads: Sequence[ReadTag], kind: ObjectKind, surface: ObjectSurface
 ) -> Located | NotUpright | SeenTwice:
-    """Return where an object is, by all its tags that were read.
+    """Return where an object is, by all its tags that were read; or that it is not upright on the surface, or
+    that its tags were read too far apart for one object.
 
     Args:
         reads: at least one tag that was read, all of the same object.

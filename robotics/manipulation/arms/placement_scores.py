@@ -61,7 +61,9 @@ class PlacementScores(NamedTuple):
         )
 
     def check(self) -> None:
-        """Raise `Untrackable` for the first point that no placement can use."""
+        """Raise `Untrackable` for the path's first point that the arm can track from none of the placements
+        (poses of the base).
+        """
         served = self.usable.any(axis=0)
         if not served.all():
             index = int(np.argmin(served))

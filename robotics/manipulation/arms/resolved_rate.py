@@ -60,11 +60,16 @@ class ResolvedRate:
         return float(np.hypot(*(self._end - self._arm.tip(q))))
 
     def astray(self, q: FloatArray) -> float:
-        """Return the tip's distance, in [m], from its straight line with the joints at `q` (2,) in [rad]."""
+        """Return the distance in [m] of the tip from the commanded line with joints at `q` (2,) in [rad]."""
         return float(np.hypot(*self._aside(self._arm.tip(q))))
 
     def command(self, q: FloatArray, dt: float) -> FloatArray:
-        """Return (2,) joint rates in [rad/s] for the next `dt` [s], with the joints at `q` (2,) in [rad]."""
+        """Return the joint rates (2,), in [rad/s], that move the tip along the line in the next `dt` [s].
+
+        Args:
+            q: (2,) present joints, in [rad].
+            dt: duration, in [s].
+        """
         tip = self._arm.tip(q)
         ahead = float((self._end - tip) @ self._along)
         braking = math.sqrt(2.0 * 0.8 * self._limits.acceleration * abs(ahead))

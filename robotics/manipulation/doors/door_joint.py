@@ -80,8 +80,8 @@ class DoorJoint(NamedTuple):
     def heading(self, opening: float) -> float:
         """Return the direction in which the handle moves while the door opens further, in [rad].
 
-        The angle is from x, about z, of the frame in which `closed` is given. `opening` is in [rad], or in
-        [m] for a slide.
+        The angle is about z, and 0 along x, of the frame in which the attribute `closed` (pose of the closed
+        door's handle) is given. `opening` is in [rad], or in [m] for a slide.
         """
         step = self.handle_at(opening + 1e-6)[:3, 3] - self.handle_at(opening)[:3, 3]
         return math.atan2(step[1], step[0])

@@ -122,7 +122,7 @@ def farthest_run(usable: BoolArray, joined: BoolArray, first: int) -> tuple[int,
 
     The last point of this part is returned, too.
 
-    If no placement reaches the next point, -1 and `first` are returned.
+    If no placement reaches the point after `first`, -1 and `first` are returned.
 
     Args:
         usable: (p, b) True where a placement reaches a point.

@@ -52,7 +52,8 @@ def fewest_placements(scores: PlacementScores) -> int:
     path.
 
     Raises:
-        Untrackable: no set of placements tracks the complete path; names the first bad point.
+        Untrackable: no set of placements tracks the complete path; the error names the first point that the
+            placements do not track.
     """
     return len(_longest_first(scores))
 

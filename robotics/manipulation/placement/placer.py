@@ -35,13 +35,13 @@ _HALVINGS = 2  # of the coarse grid, around the places found on it
 
 
 class Placer(BaseScorer):
-    """Planner of base poses, called placements, from which one arm can do its work along a path.
+    """Planner that divides a path among base poses (placements) from which an arm follows the parts.
 
     The best division is found exactly on a grid of base poses, which are then moved to the best score nearby.
 
-    An arm with a closed form (`PitchArm`) is tried from about 20,000 base poses, any other from about 2000,
-    on fewer points. Every part of a division is then followed point by point; a base pose from which the arm
-    does not follow is excluded, and the search begins again.
+    An arm with closed-form inverse kinematics (`PitchArm`) is tried from about 20,000 base poses, any other
+    arm from about 2000, at fewer points of the path. Every part of a division is then followed point by
+    point; a base pose from which the arm does not follow is excluded, and the search begins again.
     """
 
     def place(

@@ -129,16 +129,16 @@ class StopPlacer:
     def place(
         self, goals: Sequence[Goal], blocked: Blocked, touches: Touches | None = None, cost: float = 0.3
     ) -> tuple[BaseStop, ...]:
-        """Return the stops of the base from which the arm does its tasks at given goals with the best score.
+        """Return the stops of the base from which the hand reaches its goals with the best total score.
 
         Args:
-            goals: goals in the order in which their tasks are done.
+            goals: goals of the hand, in the order in which they are reached.
             blocked: function that reports which of many base poses are blocked.
             touches: function that reports contacts of the robot at a chosen stop and goal; None: no check.
-            cost: score that one more stop must gain, without unit.
+            cost: increase of the total score that justifies one more stop, without unit.
 
         Raises:
-            Untrackable: the task of a goal can't be done from any base pose; `index` is the goal's number.
+            Untrackable: a goal can't be reached from any base pose; `index` is the goal's number.
         """
         around = _joined(goals)
         candidates = self._placer.candidates(around)

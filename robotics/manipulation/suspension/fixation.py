@@ -110,8 +110,8 @@ class PlannedView(NamedTuple):
         pose of the hand.
 
         Eq. 11 of Hatano et al. (2000) is used as in their paper, which assumes that no error is left after
-        the hand was turned to the landmark. A turn of the base by less than the angle of the `StopRule` is
-        therefore missed; 0.1 rad would displace a block by 20 mm.
+        the hand was turned until the landmark appeared as planned. A turn of the base by less than the angle
+        tolerance of the `StopRule` is therefore missed; 0.1 rad would displace a placed block by 20 mm.
 
         Args:
             base_T_hand: (4, 4) final pose of the hand in the base frame.

@@ -12,8 +12,8 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class Rates(NamedTuple):
-    """Parameters of a `SuspensionModel` that can be computed from measured angles, all but the pivot's
-    height.
+    """Parameters of a `SuspensionModel` that can be computed from measured angles, which are all except the
+    height of the point about which the base tilts.
     """
 
     yaw_per_swing: float

@@ -34,7 +34,7 @@ class TimedTracking(NamedTuple):
 
 
 class TrackingLimits(NamedTuple):
-    """Limits of tool and joints while an arm moves its tool along a path."""
+    """Limits of the tool's speed and of the joints' accelerations and torques for following a path."""
 
     speed: float
     """Maximum speed of the tool, in [m/s]."""

@@ -53,8 +53,8 @@ class BlockedWheels:
     def update(
         self, command: tuple[float, float], rolled: tuple[float, float], before: Pose2, now: Pose2
     ) -> BlockedWheel | None:
-        """Add the motion of one period to that of the last periods, and return a wheel that it shows to be
-        blocked; None if none is.
+        """Add the motion of one control period to the recorded motion of earlier periods, and return a wheel
+        at which the base moved much less than commanded (see `BlockedMotion`); None if there is none.
 
         Args:
             command: commanded speed ahead in [m/s] and turn rate in [rad/s].

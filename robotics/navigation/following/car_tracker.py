@@ -62,7 +62,7 @@ class CarTracker:
             start: map_T_base where the path was planned from.
             goal: map_T_base at its end.
             sharpest: largest curvature that can be steered, in [1/m].
-            limits: limits of the base.
+            limits: limits of the base's speed, turn rate and accelerations.
         """
         first = np.array([start.compose(Pose2(-path.back_before, 0.0, 0.0))])
         legs = [
@@ -86,7 +86,7 @@ class CarTracker:
 
     @property
     def ahead(self) -> FloatArray:
-        """Rest (k, 2) of the leg that is being driven, on the map, in [m]."""
+        """Points (k, 2) of the present leg of the path from the car on, on the map, in [m]."""
         if self._at >= len(self._legs):
             return np.empty((0, 2))
         leg = self._legs[self._at]

@@ -86,7 +86,7 @@ class FootprintGuard:
             scan: (n, 2) points of the lidar in the base frame, in [m].
             length: length of the arc, in [m]; below zero backwards.
             turn: turn along the arc, in [rad], positive to the left.
-            view: field of view of the lidar; None if no cell of the map is in view.
+            view: field of view of the lidar; None: all cells of the map count as out of the lidar's view.
             direction: direction of travel, relative to the base's heading, in [rad]. If it is not 0, the
                 frame of `pose` and `scan` is the base frame turned by it.
         """

@@ -120,7 +120,7 @@ class Localizer(ABC):
         self._odometry.shift(pose, covariance + np.outer(off, off))
 
     def find_again(self, points: FloatArray) -> bool:
-        """Change to another pose if a scan clearly fits the map there; return whether the pose was changed.
+        """Correct the pose if a scan shows that the resting base was moved; return whether it was corrected.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].

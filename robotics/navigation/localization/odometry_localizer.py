@@ -144,8 +144,8 @@ class OdometryLocalizer(Localizer):
         """Correct the pose after a drive by a scan at rest, its end points (n, 2) in the base frame, in [m].
 
         If the poses by wheels and by scan differ by more than their uncertainty allows, the wheels slipped,
-        and the pose is set to that of the scan. Nothing changes without a map, or if too little of the scan
-        fits the map.
+        and the pose is set to that of the scan. The pose is unchanged without a map, or if the share of the
+        scan that fits the map is below `LEAST_INLIERS`.
         """
         if self._field is None:
             return

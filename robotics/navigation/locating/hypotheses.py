@@ -105,12 +105,12 @@ class Hypotheses:
 
     @property
     def is_explained(self) -> bool:
-        """True if enough of the scans' beams agree with the map at the best hypothesis."""
+        """True if at least `MIN_EXPLAINED` of the scans' beams agree with the map at the best hypothesis."""
         return self.share >= MIN_EXPLAINED
 
     @property
     def is_unique(self) -> bool:
-        """True if the best hypothesis explains the scans, and all other hypotheses are much less likely."""
+        """True if only one hypothesis is still likely, and the map explains the scans at its poses."""
         return self.is_explained and len(self.alive) == 1
 
     def _needs_search(self, likely: FloatArray) -> bool:

@@ -214,8 +214,8 @@ class Baseline:
         return rolled > way or abs(self._right - self._left) > turn * self._tread
 
     def fits_elsewhere(self, beams: ScanBeams) -> bool:
-        """Return whether a scan fits the reference scan clearly better if the base was held, fully or at one
-        wheel, than if it moved as its wheels did.
+        """Return whether a scan fits the reference scan better by more than `CLEAR_DIFFERENCE` if something
+        held the base, or one of its wheels, than if the base moved as its wheels turned.
         """
         own = self._disagreement(beams, self._moved)
         if own <= CLEAR_DIFFERENCE:

@@ -61,7 +61,7 @@ class SlipMonitor:
 
     def roll(self, left: float, right: float, variance: float) -> None:
         """Add the wheels' travel, and the heading variance by assumed slip, to the sums of the present window
-        of travel.
+        (a section of the travel, for which slip is evaluated when it ends).
 
         Args:
             left: travel of the left wheels, in [m].
@@ -73,7 +73,7 @@ class SlipMonitor:
 
     def take(self, missed: float, other: float) -> None:
         """Add a heading correction by a scan to the present window (a section of the travel). If the window
-        is long enough, evaluate its slip and start a new one.
+        is at least `WINDOW_M` long, evaluate its slip and start a new window.
 
         Args:
             missed: heading by the scan less heading by the wheels, in [rad].

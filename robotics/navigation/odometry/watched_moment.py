@@ -58,7 +58,7 @@ class WatchedMoment(NamedTuple):
 
     @classmethod
     def of(cls, now: Belief, states: int | None = None) -> Self:
-        """Return the estimate of the present states, from which on readings will improve it.
+        """Return an estimate of the states at the present time, which later readings can improve.
 
         Args:
             now: belief with mean and covariance of the present states.

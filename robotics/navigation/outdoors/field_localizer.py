@@ -155,8 +155,8 @@ class FieldLocalizer(ABC):
     def fix(self, position: FloatArray, sigma: float | None = None) -> bool:
         """Correct the pose by a GNSS position that was measured now; return whether the position was used.
 
-        A position is not used if it is implausible or not finite, or if `sigma` is not finite or not above
-        zero.
+        A position is not used if it is not finite, if it contradicts the filter's estimate and earlier
+        positions, or if `sigma` is not finite or not above zero.
 
         Args:
             position: (2,) position of the antenna in the field's frame, in [m].

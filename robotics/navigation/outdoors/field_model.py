@@ -55,8 +55,9 @@ class FieldModel(NamedTuple):
     def figures(self) -> FloatArray:
         """Parameters (11,) of the noise model in SI units, in the order that `field_step` expects.
 
-        `slip`, `slip_length`, `turn_slip`, `side_slip`, `side_slip_length`, `side_slip_turning`,
-        `gyro_white`, `gyro_walk`, `gyro_warm_up_time`, slow error of a fix, `gps_drift_time`.
+        They are these attributes of the model's `noise`: `slip`, `slip_length`, `turn_slip`, `side_slip`,
+        `side_slip_length`, `side_slip_turning`, `gyro_white`, `gyro_walk`, `gyro_warm_up_time`; then the
+        standard deviation of a fix's slow error in [m], and the attribute `gps_drift_time`.
         """
         n = self.noise
         ground = [n.slip, n.slip_length, n.turn_slip, n.side_slip, n.side_slip_length, n.side_slip_turning]

@@ -11,8 +11,8 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class FilterRequest(Enum):
-    """Request to an outdoor filter between two of its steps, to mark the moment for the smoother, or to
-    measure displacement from that moment.
+    """Request to an outdoor filter between two of its steps, either to mark this time, so that the smoother
+    estimates the pose for it, or to measure the displacement from this time on.
     """
 
     MARK = "mark"

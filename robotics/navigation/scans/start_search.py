@@ -108,7 +108,7 @@ def check_start(field: LikelihoodField, beams: ScanBeams, pose: Pose2, noise: fl
     result.
 
     Nothing is searched if the share of beams that agree with the map at the stated pose is `PLAIN_FIT` or
-    more, or if too few beams have an echo.
+    more, or if fewer beams than a third of `COARSE_POINTS` have an echo.
 
     Args:
         field: likelihood field of the map.

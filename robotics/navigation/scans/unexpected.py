@@ -14,8 +14,8 @@ MIN_APPROACH_M = 0.005
 def unexpected_points(points: FloatArray, field: LikelihoodField, margin: float) -> FloatArray:
     """Return the scan points at which the map shows nothing that the lidar could have met.
 
-    Points within `margin` of an occupied cell are left out, and points in unknown cells, which may contain
-    anything.
+    Two sorts of points are left out: those within `margin` of an occupied cell, and those in unknown cells,
+    because an unknown cell may contain anything.
 
     Args:
         points: (n, 2) in the map frame, in [m].

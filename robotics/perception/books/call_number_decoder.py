@@ -68,7 +68,7 @@ class CallNumberDecoder:
         self._letters, self._max_decimals = letters, max_decimals
 
     def decode(self, probabilities: SingleArray) -> Decoded | None:
-        """Return the likeliest call number, or None if the outputs allow none.
+        """Return the likeliest call number, or None if no valid call number is likely enough.
 
         Args:
             probabilities: (t, n) probability, 0 to 1, of each of n characters at each of t steps along the

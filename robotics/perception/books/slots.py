@@ -155,8 +155,8 @@ def compare(
 ) -> Alike | None:
     """Return how well two views of a piece of the shelf's front match, at the best lateral shift.
 
-    A piece whose views match at no shift is behind the front plane (`Alike.deep`). None if the piece is too
-    narrow, or too little of it is visible in both views.
+    A piece whose views match at no shift is behind the front plane (`Alike.deep`). None if the piece is
+    narrower than about 4 mm, or less than 60 % of it is visible in both views.
 
     Args:
         a: one view.

@@ -32,7 +32,7 @@ class SquareEdges(NamedTuple):
 
 
 def fit_square(image: ByteArray, camera: CameraModel, guess: FloatArray) -> SquareEdges | None:
-    """Return the dark square near a guess; None if no such square is there.
+    """Return the dark square whose corners are near guessed ones; None if it is not found.
 
     Each edge must be completely in the image, straight after correction of the lens, and dark on its inner
     side. The edge points are undistorted instead of the image, which would have to be interpolated once more.
