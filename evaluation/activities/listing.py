@@ -16,7 +16,7 @@ SHOWN_REASONS = 40
 
 
 class ListedActivity(NamedTuple):
-    """An activity, with the number of its moves, or with the reasons why its files cannot be made."""
+    """An activity, with the number of things that it moves, or the reasons why its files cannot be made."""
 
     name: str
     moves: int

@@ -23,8 +23,8 @@ from .thing_table import CarriedEntry
 
 @dataclass(frozen=True)
 class MadeActivity:
-    """An activity whose files were written, with its room, the files' folder, and the factors by which things
-    were made narrower to fit between the fingers.
+    """An activity (household task) whose files were written, with its simulated room, the files' folder, and
+    the factors by which the widths of things were reduced so that they fit between the robot's fingers.
     """
 
     definition: Definition

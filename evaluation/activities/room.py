@@ -48,7 +48,7 @@ def furnish(definition: Definition, relations: ActivityRelations, sizes: Mapping
     Args:
         definition: the activity.
         relations: where things are, and where they go.
-        sizes: sizes of the carried things, by term; some may have been scaled.
+        sizes: sizes of the carried things, by their terms in the activity; some may have been scaled.
 
     Raises:
         FileError: a piece of furniture has too little room for the things on, in or next to it.

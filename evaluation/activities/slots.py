@@ -111,7 +111,7 @@ def before_gap(thing: CarriedEntry, size: Sequence[float]) -> float:
     """Return the gap to leave between a thing and the piece of furniture behind it, in [m].
 
     Args:
-        thing: size of the thing.
+        thing: the thing, with its size.
         size: size of the piece of furniture along x, y and z, in [m].
     """
     return min(MAX_BEFORE_M, next_gap(thing, size))

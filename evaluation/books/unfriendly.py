@@ -42,8 +42,8 @@ class _Making:
 def make_unfriendly(
     row: ShelfRow, wanted: Collection[int], factors: Collection[str], level: float, rng: np.random.Generator
 ) -> tuple[ShelfRow, dict[int, str]]:
-    """Return a row of books that is made more difficult, and the reasons why some lent books now have no
-    slot.
+    """Return a row of books that is made more difficult for a robot, and the reason for each lent book that
+    now has no slot, by its accession number.
 
     Args:
         row: the row before the change.

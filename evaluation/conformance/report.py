@@ -90,8 +90,8 @@ class KitReport:
 
     @property
     def judged_causes(self) -> list[FaultTrial]:
-        """Trials that ended in Fail or GiveUp after an injected fault for which the expected causes are
-        stated.
+        """Trials that ended in Fail or GiveUp after an injected fault, and whose named cause can be compared
+        with the causes that the fault may have.
         """
         return [trial for trial in self.trials if trial.names_its_cause is not None]
 

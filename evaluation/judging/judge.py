@@ -52,7 +52,9 @@ class Judge(RunObserver):
         self.surveys.look(robot)
 
     def event(self, event: Event) -> None:
-        """Record the ground truth when an action starts, and check its outcome when it has ended."""
+        """Record the ground truth if the event is an action's start, and check the action's outcome against
+        it if the event is the action's end.
+        """
         if isinstance(event, Started):
             self.surveys.started(event.number, event.primitive)
         elif isinstance(event, Ended):

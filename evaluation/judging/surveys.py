@@ -96,7 +96,7 @@ class Surveys:
             self.broken.append(_broke(kind, error))
 
     def of(self, kind: type[SurveyT]) -> SurveyT | None:
-        """Return the survey of a class; None if this run has no such survey."""
+        """Return the run's survey (observer that evaluates the run) of a class; None if it has none."""
         return next((survey for survey in self._every if isinstance(survey, kind)), None)
 
     @property

@@ -25,8 +25,8 @@ def read_scans(path: Path, scan_topic: str | None = None) -> ScanLog:
         scan_topic: topic of the scans in a ROS bag (default: the topic with the most scans).
 
     Raises:
-        InputError: the log cannot be read, has no usable scans, or `scan_topic` is given for another kind of
-            log.
+        InputError: the log cannot be read, has no range of any beam, its odometry jumps by more than
+            `MAX_STEP_M` between two scans, or `scan_topic` is given for another kind of log.
     """
     log = _read(path, scan_topic)
     findings = [Finding(str(path), 0, 0, words) for words in _unusable(log)]

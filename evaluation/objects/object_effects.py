@@ -27,7 +27,7 @@ OUTLINE_MM = 10.0  # that the hand may be outside of the robot's outline
 
 
 def thing_of(survey: Survey, name: str) -> Thing | None:
-    """Return an object of the simulated world; None if the name is unknown."""
+    """Return an object of the world in the run that `survey` evaluates; None if the name is unknown."""
     wanted = name_in_world(name)
     return next((thing for thing in survey.run.world.things() if thing.name == wanted), None)
 
@@ -35,8 +35,8 @@ def thing_of(survey: Survey, name: str) -> Thing | None:
 def true_surface(survey: Survey, name: str) -> ObjectSurface:
     """Return a surface, with its named places for objects, at its true pose in the simulated world.
 
-    The true pose is that of the solid with the name and size of the surface; without such a solid, it is the
-    pose in the file of objects.
+    The true pose is that of the simulated solid with the name and size of the surface. If the world has no
+    such solid, the pose in the file of objects is used. `survey` gives access to the run and its world.
     """
     surface = survey.run.model.of(Objects).objects.surfaces[name]
     for solid in survey.run.world.solids:

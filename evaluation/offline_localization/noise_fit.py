@@ -86,7 +86,7 @@ def fit_noise(log: DriveLog, given: FieldNoise, passed: Callable[[float], None] 
     ascent).
 
     Args:
-        log: a drive with fixes, better of kilometres than of metres.
+        log: a drive with fixes, preferably kilometres long.
         given: initial noise.
         passed: called from time to time with the share of the fit that is done, from 0 to 1.
     """

@@ -69,7 +69,7 @@ def posture_at(robot: RobotFile, aim: HandAim) -> PostureSearch:
     the arm stays closest to the base's axis.
 
     Raises:
-        ValueError: the robot has no arm, or the direction has no length.
+        ValueError: the robot has no arm, or the direction in `aim` is a zero vector.
     """
     arm = robot.arm_model()
     free = CollisionModel(arm, margin=LINK_MARGIN_M)

@@ -82,7 +82,7 @@ class Learned:
 
     @cached_property
     def prediction(self) -> Prediction:
-        """Predicted probability of the task's success and its expected duration, computed from all trials."""
+        """Probability of the task's success and its mean duration, predicted from all trials learned from."""
         return predict(self.task, self.seen)
 
     @property

@@ -24,8 +24,8 @@ class LearnedOdds:
 
     The context is the number of the action's earlier Fails and whether the action before it failed. Rare
     contexts are pooled with the others: the share of an outcome in a context is (its count + w times its
-    share in all contexts) / (the context's count + w), the mean of a Dirichlet posterior. Durations are drawn
-    from those recorded with the same outcome.
+    share in all contexts) / (the context's count + w), the mean of a Dirichlet posterior, where w is the
+    weight of the pooling. Durations are drawn from those recorded with the same outcome.
     """
 
     def __init__(self, task: Task, seen: SeenActions, pooling: float | None = None) -> None:

@@ -60,7 +60,7 @@ class TrialTable:
     def differing(self) -> list[str]:
         """Return the names of the columns whose values differ between trials.
 
-        Metrics that all trials have come first, then the other columns by name.
+        The columns that every trial has (`OF_ALL`) are listed first, then the others, sorted by name.
         """
         names = [*OF_ALL, *sorted(self.columns.keys() - set(OF_ALL))]
         return [name for name in names if not constant(self.columns[name])]

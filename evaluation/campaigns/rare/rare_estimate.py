@@ -32,8 +32,8 @@ class LevelSeen(NamedTuple):
 
     @property
     def part(self) -> float:
-        """Part of the rare outcome's probability that comes from the runs started at this level, estimated
-        from all populations together.
+        """Part of the rare outcome's probability that comes from the runs started at this level (stage before
+        the rare outcome), estimated from all populations of runs together.
         """
         return self.share * self.hits / max(1, self.runs)
 

@@ -40,7 +40,9 @@ class Walked(NamedTuple):
 
     @property
     def success(self) -> BoolArray:
-        """Mask (n,) of the random walks that reached the goal without skipping an element of a `repeat`."""
+        """Mask (n,) of the random walks that reached the goal without skipping an element of a list, for
+        whose elements the task repeats actions.
+        """
         return np.asarray((self.last == GOAL) & ~self.skipped)
 
 

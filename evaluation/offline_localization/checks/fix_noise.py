@@ -23,7 +23,9 @@ MAX_RATIO = 3.0  # between stated and observed error: beyond it the stated one i
 
 
 class SupposedNoise(NamedTuple):
-    """Noise to assume for a vehicle without a robot's file, and its log without implausible accuracies."""
+    """Sensor noise to assume for a vehicle without a robot's file, and the log of the vehicle's drive without
+    implausible accuracies of fixes.
+    """
 
     noise: FieldNoise
     log: DriveLog

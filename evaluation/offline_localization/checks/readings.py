@@ -48,7 +48,7 @@ def check_readings(log: DriveLog) -> tuple[DriveLog, list[str]]:
         log: log with all fixes and with its IMU in the base's axes.
 
     Returns:
-        The log, and notes with count, time and the allowed limit.
+        The log without the repeated fixes, and a message for each fault, with its time and what is allowed.
     """
     log, notes = _without_repeated(log)
     notes += [*_still_wheels(log), *_frozen_gyro(log), *_backwards(log), *_scaled(log)]
@@ -198,7 +198,8 @@ def way_scale(log: DriveLog) -> float | None:
         log: log with all fixes.
 
     Returns:
-        Median of the ratio over all windows; None if no window has enough fixes and motion.
+        Median of the ratio over all windows; None if no window has `MIN_FIXES` fixes that are spread by
+            `MIN_SPREAD_M` and fit the wheels' track.
     """
     times, ways, fixes = odometry_track(log)
     a, b = ways @ np.array([1.0, 1.0j]), fixes @ np.array([1.0, 1.0j])

@@ -17,7 +17,7 @@ MAX_WRONG = 0.5  # share of a topic's stamps: with more they are unusable
 
 
 class StampReport(NamedTuple):
-    """Assessment of the time stamps in the headers of a topic's messages."""
+    """Result of a check of a topic's header stamps, with the usable ones, messages, and any grave fault."""
 
     used: BoolArray
     """(n,) mask of messages with a credible stamp."""

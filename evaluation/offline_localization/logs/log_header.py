@@ -61,7 +61,7 @@ class Column(FileModel):
 
 
 class LogStart(FileModel):
-    """Pose of the base before the first row; omitted values are unknown."""
+    """Pose of the base when a log begins, before its first row; omitted values are unknown."""
 
     x_m: float | None = None
     y_m: float | None = None

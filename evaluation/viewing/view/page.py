@@ -80,7 +80,7 @@ class Page:
         """Draw a frame onto the page and its panel.
 
         Args:
-            frame: the frame.
+            frame: state of the run at the time to draw.
             action: action to describe, the running one or the one nearest in time; None if there is none.
             actions: all actions of the run, for the time line.
             span: start and end of the time line, in [s] of the robot's time.
