@@ -80,7 +80,7 @@ class PartSpec(FileModel):
 
 
 class ReadPart(NamedTuple):
-    """Text of a URDF without grave faults, with the place of its elements and its minor faults."""
+    """Text of a usable URDF, with the places of its elements, and its faults that do not prevent its use."""
 
     file: str
     text: str

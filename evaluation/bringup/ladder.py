@@ -136,8 +136,8 @@ class Ladder:
         )
 
     def again(self, name: str) -> None:
-        """Undo a step and all after it, so that they have to run again: their records move into a subfolder
-        `before_TIME`.
+        """Invalidate the result of a step and of all later steps, so that they have to run again. Their
+        records move into a subfolder `before_TIME`.
 
         Raises:
             UnknownRung: no step has that name.

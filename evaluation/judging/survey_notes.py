@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 
 class SurveyNotes:
-    """File of the observations of surveys during a run, from which an interrupted run continues.
+    """File of what surveys (observers that evaluate a run) have noted, from which a resumed run continues.
 
     Each line holds the observations noted at one time. If writing fails, for example on a full disk, the line
     is missing, but the run goes on.

@@ -133,8 +133,9 @@ class AimWatch:
     def is_charging(self, situation: str) -> bool:
         """Return whether the robot has to wait in a situation until its battery is charged.
 
-        It waits at the goal of an interrupt with `battery_until`, up to that charge. The wait ends early if
-        the charge does not rise for `CHARGE_TIMEOUT_S`, or is not known.
+        It waits at the goal of an interrupt (goal pursued before the task's own) that has a `battery_until`,
+        up to that charge. The wait ends early if the charge does not rise for `CHARGE_TIMEOUT_S`, or is not
+        known.
         """
         wanted = self._charging
         if wanted is None or wanted.battery_until is None or self._battery is None:

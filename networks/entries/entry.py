@@ -114,8 +114,8 @@ class TaskEntry(FileModel):
     def limit(self) -> AttemptsEntry:
         """Limit on the number of the action's Fails.
 
-        If the file has a plain number, this is the maximum, and successes of other actions never reset the
-        count.
+        If the entry's key `attempts` is only a number, it is the maximum, and the count is never reset by the
+        Success of another action.
         """
         if isinstance(self.attempts, AttemptsEntry):
             return self.attempts

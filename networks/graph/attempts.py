@@ -51,8 +51,11 @@ class Attempts(NamedTuple):
         return count % self.width >= self.most
 
     def failed(self, count: int) -> int:
-        """Return the count that a run keeps for an action, of Fails and of renewals of attempts, after one
+        """Return a run's count of an action's Fails and renewals (resets of the number of Fails) after one
         more Fail.
+
+        Args:
+            count: count before this Fail, `renewals * width + fails`.
         """
         fails = count % self.width
         last = MAX_ATTEMPTS if self.unlimited else self.limit

@@ -92,7 +92,7 @@ class RunDecisions:
 
     @property
     def priority(self) -> int | None:
-        """Priority of the interrupt whose goal is pursued; None if the run pursues no interrupt."""
+        """Priority of the interrupt (goal pursued before the task's own) that the run pursues, or None."""
         return self._first[-1][1] if self._first else None
 
     @property

@@ -22,7 +22,7 @@ class NoRehearsedDay(InputError):
 
 
 def check_begins_at(prepared: Prepared, options: RunOptions) -> None:
-    """Check the option that a simulated run begins at a certain time of day.
+    """Check whether the option that a simulated run begins at a certain time of day is allowed.
 
     Raises:
         NoRehearsedDay: the option is given although the robot is real, or the task has no times of day.

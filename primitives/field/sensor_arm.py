@@ -59,8 +59,8 @@ class SensorArm:
         return self._robot.gripper.closed_on_something() and self._off() < WIDTH_ERROR
 
     def not_ready(self) -> str:
-        """Return why the hand cannot take a sensor from the magazine; empty if it can, or holds a sensor
-        already.
+        """Return why the hand cannot take a sensor from the magazine (the robot's store of sensors); empty if
+        it can take one, or holds one already.
         """
         if self.holds:
             return ""

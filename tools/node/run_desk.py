@@ -146,7 +146,8 @@ class RunDesk:
     def acknowledge(self) -> Answer:
         """Acknowledge the record of the last run's journal that waits for a person.
 
-        This is refused if the reason why it waits was published too recently for the caller to have read it.
+        This is refused if the reason for waiting was published less than `READ_S` seconds ago, because the
+        caller may not have read it.
         """
         last, since = self._read
         if last is None or last.waits is None:

@@ -144,7 +144,7 @@ class Progress(RunObserver):
     def typed(self) -> bool | None:
         """Return the answer that was typed with Enter, without waiting for it.
 
-        It is True for y or yes, False for n or no, and None for any other input or none.
+        The answer is True for y or yes, False for n or no. It is None for another input, or without input.
         """
         if not sys.stdin.isatty() or not select.select([sys.stdin], [], [], 0.0)[0]:
             return None

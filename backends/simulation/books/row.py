@@ -105,7 +105,7 @@ def members(books: BooksThere, shelf: SimulatedShelf, without: Thing | None) -> 
 
 
 def slots(row: Sequence[Member]) -> list[FreeInterval]:
-    """Return the free intervals between the members of a row.
+    """Return the free intervals between the members of a row (books, panels and book ends on a shelf).
 
     Objects deeper in the shelf than 35 mm do not bound an interval; they stop a book only after it has
     entered the slot.

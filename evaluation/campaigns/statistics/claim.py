@@ -77,7 +77,7 @@ class Settling:
         self._waiting: dict[int, bool] = {}
 
     def hear(self, trial: Trial) -> bool:
-        """Add a trial that has ended, and return whether the claim is decided.
+        """Add a trial that has ended, and return whether the claim is confirmed or refuted now.
 
         Trials may be added in any order. A trial counts once all trials before it in the order of the seeds
         have been added.

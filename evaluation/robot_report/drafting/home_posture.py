@@ -25,7 +25,7 @@ POSTURE_DIGITS = 1  # of a posture in the draft, in [deg] or [mm]
 
 
 class Home(NamedTuple):
-    """Posture of the arm for driving, and the radius of the robot in this posture."""
+    """Posture of the arm proposed for driving, with its self-contacts and the robot's radius in it."""
 
     posture: Sequence[float]
     """Joint positions in [deg], or [mm] for prismatic joints."""

@@ -75,7 +75,7 @@ class MapShape(FileModel):
 
 
 class RobotShape(FileModel):
-    """URDF, footprint and lidar of the robot in a recorded run."""
+    """Description of a recorded run's robot, with URDF, footprint and lidar, for drawing it."""
 
     name: str
     urdf: str

@@ -61,7 +61,7 @@ class PurePursuit:
         return self._pace(pose, speed, dt), self._steer(pose)
 
     def astray(self, pose: Pose2) -> float:
-        """Return the distance of the car from the point of the path that it has reached, in [m]."""
+        """Return the distance in [m] of the car from the path's point up to which it has made progress."""
         return float(np.hypot(*(self._poses[self._at, :2] - pose[:2])))
 
     def advance(self, pose: Pose2) -> None:
