@@ -139,7 +139,7 @@ def bench_class(name: str, drives: str) -> type[Backend]:
 def check_world(
     world: Path, robot: RobotFile, initial_pose: Pose2 | None = None, grid: GridMap | None = None
 ) -> None:
-    """Read a world's file and check it against the robot; build nothing.
+    """Read a world's file and check it against the robot, without building a backend.
 
     Args:
         world: file of the world, or a map from which a world is made; a map is only read.

@@ -50,7 +50,7 @@ class SensorSpec(FileModel):
 
         Raises:
             UnreadableFile: a file is missing, or outside the folder.
-            FileError: something in a file is wrong.
+            FileError: the content of a file is invalid.
         """
         return self
 

@@ -22,7 +22,7 @@ class SceneSync:
         """Bodies of things that have moved since their pose was last written."""
 
     def base(self) -> None:
-        """Copy the true pose and tilt of the base into the scene."""
+        """Copy the true pose and tilt of the base from the physics engine into the simulated scene."""
         scene = self._scene
         standing = self._body.standing_pose()
         scene.tilted_base = self._body.link_pose("base") if self._body.sprung else standing

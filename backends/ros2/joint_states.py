@@ -75,8 +75,8 @@ class JointStates(TopicSensor):
 
     @override
     def check_fresh(self) -> None:
-        """Raise `StaleSensor` if the last reading of a joint of the robot is too old; the message names the
-        joint.
+        """Raise `StaleSensor` if the last reading of a joint of the robot is older than its time-out; the
+        message names the joint.
         """
         if self._taken_s and not self.is_fresh and not self.trouble and not self.doubt:
             oldest = min(self._taken_s, key=lambda name: self._taken_s[name])

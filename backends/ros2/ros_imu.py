@@ -38,7 +38,7 @@ class RosImu(TopicSensor, Imu):
         """Return the mean accelerations (3,) along the base's axes, in [m/s²]; +9.81 along z at rest.
 
         Raises:
-            StaleSensor: the last message is too old.
+            StaleSensor: the last message is older than the robot's file allows.
         """
         self.check_fresh()
         accelerations: FloatArray = self._mean[3:].copy()

@@ -40,7 +40,7 @@ class DrivenWheels(NamedTuple):
 
 
 def driven_wheels(names: Iterable[str]) -> DrivenWheels:
-    """Return the driven wheels among the names of joints or links, each side in alphabetical order."""
+    """Return the names `left_wheel`, `right_front_wheel` and so on among names of joints or links, sorted."""
     found = sorted((match[1], name) for name in names if (match := _NAME.fullmatch(name)))
     left, right = (tuple(name for side, name in found if side == wanted) for wanted in ("left", "right"))
     return DrivenWheels(left, right)

@@ -26,7 +26,8 @@ class ActivityRelations:
     """Term of the support of each piece of furniture, by term of the piece, if the definition states it."""
 
     def terms(self) -> list[str]:
-        """Return the terms of all furniture and floors that have things on, in or next to them.
+        """Return the terms (names in the definition) of all furniture and floors with things on, in or next
+        to them.
 
         The order is fixed.
         """

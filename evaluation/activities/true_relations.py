@@ -68,7 +68,7 @@ def is_on_top(upper: TrueThing, lower: TrueThing) -> bool:
 
 
 def is_under(lower: TrueThing, upper: TrueThing) -> bool:
-    """Return whether `upper` is above `lower`.
+    """Return whether a vertical line upwards from `lower` meets `upper`.
 
     Return False if `upper` also has a part below `lower`, or `lower` has a part above `upper`.
     """

@@ -37,8 +37,8 @@ class ShelvedBooks(NamedTuple):
         )
 
     def figures(self) -> dict[str, Any]:
-        """Return the quality of shelving as metrics of a run, without values that a book on no shelf leaves
-        undefined.
+        """Return the quality of shelving as metrics of a run; a value that is undefined, because a book is on
+        no shelf, is left out.
         """
         fields = self._asdict()
         return {

@@ -64,7 +64,8 @@ class PlannedFault(FileModel):
         The times go on without end for a repeated fault.
 
         Args:
-            draw: random generator for `rate_per_s`.
+            draw: random generator for a fault that is planned with a mean rate, `rate_per_s`, instead of
+                fixed times.
         """
         if self.at_s is not None:
             yield self.at_s

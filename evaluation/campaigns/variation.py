@@ -71,7 +71,7 @@ class Varied(FileModel):
 
     @property
     def name(self) -> str:
-        """Name of the number in reports, from file and key, such as `robot errors.slip`."""
+        """Name of the varied number in reports, from its file and key, such as `robot errors.slip`."""
         return f"{self.file} {self.key}"
 
     @property

@@ -25,7 +25,7 @@ class HingeErrors(NamedTuple):
 
 
 def door_of(survey: Survey, name: str) -> DoorPart | None:
-    """Return the handle of a simulated door; None if the world has no door of that name."""
+    """Return a door's handle as a body of the simulated world; None if no door has that name."""
     return survey.run.world.of(DoorProps).parts.get(f"{HANDLE} {name}")
 
 

@@ -35,7 +35,7 @@ class Expression:
 
 
 def read_expressions(path: Path | str) -> list[Expression]:
-    """Return the expressions of a file; raises `FileError` if brackets do not match."""
+    """Return the S-expressions of a file; raise `FileError` if brackets do not match."""
     text = decode_text(read_regular_file(path, MAX_PDDL_BYTES), str(path), longest_line=None)
     top = Expression(0, 0)
     opened, line, begin, last = [top], 1, 0, 0

@@ -86,7 +86,7 @@ class TaskParts:
 
 
 def attempts_of(row: Row) -> Any:
-    """Return the limit on an action's Fails as it is in the file; 3 if the file has none."""
+    """Return an action's key `attempts`, the limit on its Fails, as in the task file; 3 without the key."""
     return row.get("attempts", 3)
 
 
@@ -101,10 +101,10 @@ def most_attempts(row: Row) -> int | None:
 
 
 def successes(row: Row) -> list[tuple[str, str, Any]]:
-    """Return next situation, result and probability of each way in which an action can succeed, as its row of
-    the task states them.
+    """Return next situation, result and probability of each way in which an action can succeed, as its entry
+    in the task's file states them.
 
-    The first one is the usual way; the probability is None if the row does not state it.
+    The first one is the usual way; the probability is None if the entry does not state it.
     """
     if "then" not in row:
         return [(row["to"], "", row.get("p"))]

@@ -272,7 +272,9 @@ def with_ports(node: BehaviourNode, given: Mapping[str, str]) -> BehaviourNode:
 
 
 def plain_value(text: str) -> Any:
-    """Convert the text of a behaviour tree's port to a bool or number if it is one, otherwise return it."""
+    """Convert the text of a behaviour tree's port to a bool or number if it is one, otherwise return the
+    text.
+    """
     if text.lower() in ("true", "false"):
         return text.lower() == "true"
     for kind in (int, float):

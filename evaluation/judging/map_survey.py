@@ -61,7 +61,7 @@ def compare_with_world(run: SurveyedRun, drawn: DrawnMap, radius_m: float) -> Ma
 def reachable_floor(
     boxes: list[tuple[float, float, float, float, float]], radius: float, start: Pose2
 ) -> FloatArray:
-    """Return points (n, 2), in [m], that a disc can reach from its start without touching obstacles.
+    """Return points (n, 2) of a grid, in [m], that a disc's middle can reach without touching obstacles.
 
     They are in the frame of the boxes. The result is empty without outer walls around the start, because the
     disc could then leave the area of the boxes.

@@ -77,9 +77,9 @@ def not_restored(
 ) -> list[str]:
     """Return a message for each part of the robot or body that a failed action did not restore to its start.
 
-    The limit is the tolerance of the robot's file plus 5 standard deviations of the sensor. The base has a
-    fixed limit as well: twice its tolerance, or 5 standard deviations of a scan match beyond the tolerance
-    if that is more.
+    The limit is the tolerance of the robot's file plus 5 standard deviations of the sensor. For the base, a
+    fixed limit applies if it is smaller: twice the tolerance, or the tolerance plus 5 standard deviations of
+    a scan match, whichever is more.
 
     Args:
         before: ground truth at the start of the action.

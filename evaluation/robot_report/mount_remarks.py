@@ -27,7 +27,7 @@ MARGIN_M = 0.005  # from the centre of mass to the edge of the support polygon
 
 
 def mount_remarks(robot: RobotFile) -> list[Remark]:
-    """Return remarks if the lidar's mounting, or the ground contact of the base, is doubtful in the URDF."""
+    """Return remarks on a lidar that is too low, tilted or hidden, and on a base that may tip over."""
     urdf = robot.urdf_text()
     if "base" not in link_names(urdf):
         return []

@@ -38,7 +38,7 @@ class HandReach:
         self._starts = starts
 
     def figures(self) -> dict[str, Any]:
-        """Return the reach as JSON values."""
+        """Return the ranges of the hand's distance from the base's axis and of its height, as JSON values."""
         return {"radii_m": self.radii, "heights_m": self.heights}
 
     @property

@@ -62,7 +62,9 @@ class PlacedSeam(NamedTuple):
         return self.placements.score / self.seam.length
 
     def words(self) -> list[str]:
-        """Return a line of text for each pose of the base: the pose, and the part tracked from it."""
+        """Return a line of text for each pose of the base: the pose, and the part of the seam tracked from
+        it.
+        """
         lines = []
         for number, segment in enumerate(self.placements.segments, start=1):
             x, y, turn = self.placements.bases[segment.placement].tolist()

@@ -76,7 +76,8 @@ def forecast(network: ActionNetwork, chances: Chances) -> Forecast:
 
 
 class Forecaster:
-    """Computation of the probabilities of a run's ends and of its cost, by stages of the network.
+    """Computation of the probabilities of a run's ends and of its cost, by stages, which are parts of the
+    network.
 
     Each successful run passes all stages one after the other.
 

@@ -31,5 +31,5 @@ class Moments(NamedTuple):
 
 
 def certain(p: float, cost: float) -> Moments:
-    """Return the moments of a step with probability `p` and a fixed cost."""
+    """Return the cost's moments for a step that is taken with probability `p` at a fixed `cost` in [s]."""
     return Moments(p, p * cost, p * cost * cost)

@@ -25,7 +25,7 @@ class Stage:
     def shape(self) -> tuple[object, ...]:
         """All data that planning in this part of the network depends on, without names.
 
-        The data are equal for equal copies by a `repeat`.
+        The data are equal for copies of a part that the task repeats for equal elements of a list.
         """
         place = {name: number for number, name in enumerate(self.network.situations)}
         rows = tuple(

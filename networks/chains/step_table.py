@@ -12,10 +12,10 @@ from .step_maker import State, Step, StepMaker
 
 
 class StepTable:
-    """Decisions of the rule (the cheapest route is taken) by state, each computed once and then kept.
+    """Table of the actions that the rule `take the cheapest route` chooses, by state, each computed once.
 
-    A kept decision costs as much of the budget as a new one, so that results of `policy` do not depend on
-    earlier calls.
+    A call of `policy` has a budget of computing steps. A kept decision is charged like a new one, so that
+    results do not depend on earlier calls.
     """
 
     def __init__(self, network: ActionNetwork, chances: Chances) -> None:

@@ -39,7 +39,7 @@ class Interrupts:
             stop()
 
     def stop(self) -> None:
-        """Stop the run as an interrupt would, without a signal."""
+        """Stop the run as Ctrl-C would, but without a signal to the program."""
         if self._stop is not None:
             self._stop()
 

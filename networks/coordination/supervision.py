@@ -102,12 +102,13 @@ class Supervision:
         """Requests that were taken and not applied, because their action was over, in words."""
 
     def ask(self, request: Request, number: int | None = None) -> str:
-        """Accept a request, which is followed in the next period; may be called in a signal handler.
+        """Accept an operator's request, which is followed in the next control period; safe in a signal
+        handler.
 
         Args:
             request: the request. A stop is always accepted, and precedes all other requests.
-            number: number of the action that is meant, from 1; None: the run; a request to restore then means
-                the action that runs now.
+            number: number of the action that the request concerns, from 1. None: the request concerns the
+                run, or, if it is to restore, the action that runs now.
 
         Returns:
             The reason in words if the request is rejected; empty if it is accepted.

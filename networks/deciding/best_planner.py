@@ -50,7 +50,7 @@ class BestPlanner(Planner):
     def plan_by_rule(
         self, situation: str, goal: str | None = None, without: Iterable[Action] = ()
     ) -> Plan | NoWay:
-        """Return the cheapest route, as the rule plans it, or why no route is left.
+        """Return the cheapest route, which the policy `rule` takes, or the reason why no route is left.
 
         Args:
             situation: situation in which the route begins.

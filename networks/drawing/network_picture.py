@@ -81,7 +81,7 @@ class DrawnLink(NamedTuple):
     arrow: bool
 
     def curves(self) -> Iterator[tuple[Point, Point, Point]]:
-        """Yield for each segment its two control points and its end (cubic Bézier)."""
+        """Yield for each segment of the link's curve (cubic Bézier) its two control points and its end."""
         for number, (p, q) in enumerate(pairwise(self.points)):
             if number % 2 == 0:
                 yield p, q, q

@@ -65,7 +65,7 @@ class Attempts(NamedTuple):
         """Return the count of Fails and renewals of a run after a Fail that uses up all attempts at once.
 
         Args:
-            count: count before this Fail, `renewals * width + fails`.
+            count: count before this Fail, `renewals * width + fails`, with the property `width`.
         """
         return count - count % self.width + self.most
 

@@ -215,7 +215,7 @@ class Action:
 
     @property
     def name(self) -> str:
-        """The primitive's name, with `distinction` if another action does it between the same situations."""
+        """Primitive's name, and `distinction` if another action does the same between the same situations."""
         return f"{self.do} with {self.distinction}" if self.distinction else self.do
 
     def __str__(self) -> str:

@@ -182,13 +182,14 @@ class RunDecisions:
         return self._ahead[-1]
 
     def took(self, outcome: Outcome | NotStarted) -> None:
-        """Move to the situation that the outcome of the action `next` leads to; count the Fail if it is one.
+        """Move to the situation that an outcome of the executed action leads to; count the outcome if it is a
+        Fail.
 
         A GiveUp changes nothing. `NotStarted` counts as a Fail. `Elsewhere`, the result after somebody has
         changed the world, counts as a Fail too, and the run moves to the situation that it names.
 
         Args:
-            outcome: outcome of the action `next`.
+            outcome: outcome of the action that the property `next` named.
         """
         match outcome:
             case Success(_, result):
@@ -214,7 +215,8 @@ class RunDecisions:
         self._moved(target)
 
     def failed(self, reason: str, permanent: bool = False, cause: str = "") -> None:
-        """Count a Fail of the action `next`, drop the plan, and move to the situation that the Fail leads to.
+        """Count a Fail of the executed action, drop the plan, and move to the situation that the Fail leads
+        to.
 
         Args:
             reason: reason in words.

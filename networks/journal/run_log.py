@@ -93,7 +93,7 @@ class RunLog(Intents):
     def start(
         self, action: Action, primitive: ActionPrimitive, fails: int, at: Snapshot | None = None
     ) -> None:
-        """Log that an action is about to start; `at` is a snapshot of the robot, if one was measured."""
+        """Log that an action, with `fails` Fails so far, is about to start; `at` is a measured snapshot."""
         self.started += 1
         self.open = True
         if self._journal is not None:

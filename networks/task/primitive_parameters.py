@@ -47,7 +47,7 @@ class ParameterReader:
 
     def binding(self, kind: type[ActionPrimitive], number: int, element: Element | None) -> Binding | None:
         """Return the binding of an action, its primitive with the parameters; None if the parameters are
-        wrong.
+        invalid.
 
         Args:
             kind: the class of the primitive.

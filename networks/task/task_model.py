@@ -78,7 +78,7 @@ GivenFact = Fact | Each
 
 
 class Repeat(FileModel):
-    """A part of the network, copied for each element of a list, one copy after the other."""
+    """Entry of a task file for a part of the network that is copied for each element of a list."""
 
     over: Annotated[list[Any], Field(min_length=1)] | Each
     """The elements; `{all: places}` is the list of the names of the map's places, in their file's order, and

@@ -53,7 +53,7 @@ def with_locate(parts: Parts, kind: type[ActionPrimitive]) -> Parts:
 
 
 def start_findings(document: Document, robot: RobotFile, has_map: bool) -> Iterator[Finding]:
-    """Yield a finding if map or robot lack something that is needed to find an unknown start pose."""
+    """Yield a finding if map, lidar, base or localizer are missing or unfit to find an unknown start pose."""
     missing = []
     if not has_map:
         missing.append("the key `map`")

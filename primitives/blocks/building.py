@@ -42,7 +42,7 @@ class BoardPlan(LevelPose, BoardLayout):
 
 
 class Table(LevelPose):
-    """A table, on the map; its height is that of its top."""
+    """Table in a building plan, posed on the map; its height is that of its top."""
 
     size_m: tuple[Positive, Positive]
     thickness_m: Positive = 0.04

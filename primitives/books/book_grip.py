@@ -63,7 +63,7 @@ def opening(robot: Robot, book: Book | None) -> Measured:
 
 
 def watch_grip(robot: Robot, book: Book | None) -> None:
-    """Raise `Discrepancy` if the book has slipped out of the hand."""
+    """Raise `Discrepancy` if the hand no longer holds a book; `book` is the expected one, if known."""
     if not robot.gripper.closed_on_something():
         raise Discrepancy(
             "the book slipped out of the hand", measured=opening(robot, book), cause=causes.SLIPPED

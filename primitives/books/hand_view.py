@@ -41,7 +41,7 @@ def look(robot: Robot, base_T_shelf: Transform, held: Box | None) -> Generator[N
 
     Args:
         robot: robot with its camera before the shelf.
-        base_T_shelf: (4, 4), as measured.
+        base_T_shelf: (4, 4) measured pose of the shelf.
         held: object in the hand, posed in the hand frame.
     """
     yield from settle(robot)

@@ -12,7 +12,7 @@ from .book_grip import book_in, unlike_book
 
 
 class HeldBookPrimitive(TreePrimitive):
-    """Base class of primitives that move a book held in the hand by a behaviour tree.
+    """Base class of primitives that move the book in the hand; a behaviour tree controls the motion.
 
     At the start, the hand must hold the book that was recognized before.
     """

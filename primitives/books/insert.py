@@ -75,11 +75,11 @@ class _Course(NamedTuple):
 class Insert(HeldBookPrimitive):
     """Push the held book straight into its slot, until the finger tips are just before the spines.
 
-    The push begins where APPROACH has left the book; how far it goes is measured at the shelf's front. A book
-    that jams is pulled out and pushed again a few millimetres to the side. If it jams everywhere, it is
-    pulled back to the start, and the action Fails. No sensor shows whether a neighbour was pushed back, so
-    that the action gives up instead if it has pushed with more than 10 N. With the method `taught`, the hand
-    plays back the postures `insert_1`, `insert_2` and so on, and ignores the lidar.
+    The push begins where the primitive APPROACH has left the book; its length is measured at the shelf's
+    front. A book that jams is pulled out and pushed again a few millimetres to the side. If it jams
+    everywhere, it is pulled back to the start, and the action Fails. No sensor shows whether a neighbour was
+    pushed back, so that the action gives up instead if it has pushed with more than 10 N. With the method
+    `taught`, the hand plays back the postures `insert_1`, `insert_2` and so on, and ignores the lidar.
     """
 
     shelf: PlaceName

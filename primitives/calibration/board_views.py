@@ -27,7 +27,7 @@ def board_views(base_T_board: Transform, count: int, scale: float = 1.0) -> Iter
     Args:
         base_T_board: (4, 4) expected pose of the board.
         count: number of views.
-        scale: factor by which all views are further from the board than usual.
+        scale: factor on the distances of all views from the board; 1 for a board of 180 by 120 mm.
     """
     above = transform(base_T_board[:3, 3].tolist())
     for n in range(count):

@@ -29,7 +29,9 @@ class TrackingErrorMonitor:
         self._off = 0
 
     def check(self) -> None:
-        """Raise `Discrepancy` if a joint is not at its commanded position; called once a period."""
+        """Raise `Discrepancy` if a joint is off its last commands by more than the tolerance; call once a
+        period.
+        """
         arm = self._robot.backend.get(Arm)  # type: ignore[type-abstract]
         if arm is None:
             return

@@ -25,7 +25,7 @@ Name = Annotated[str, Field(min_length=1, max_length=60)]
 
 
 class KnownDoor(DoorShape):
-    """A door or drawer in the file; kind of motion and radius are assumptions until the door is opened."""
+    """A door or drawer in a file of doors; its motion and radius are assumptions until it is opened."""
 
     tags: Annotated[tuple[DoorTag, ...], Field(min_length=1)]
     """Tags on its front, by which its handle is found."""

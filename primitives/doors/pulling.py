@@ -162,7 +162,12 @@ def pull(
 
 
 def is_blocked(travels: Sequence[float]) -> bool:
-    """Return whether a handle has stopped advancing, by its travel along the path in each period, in [m]."""
+    """Return whether a handle has advanced by less than `BLOCKED_TRAVEL_M` in the last `BLOCKED_PERIODS`
+    periods.
+
+    Args:
+        travels: travel of the handle along its path up to the end of each period, in [m].
+    """
     return (
         len(travels) > BLOCKED_PERIODS
         and max(travels[-BLOCKED_PERIODS:]) - travels[-1 - BLOCKED_PERIODS] < BLOCKED_TRAVEL_M

@@ -190,7 +190,8 @@ class FieldObstacleMonitor:
         return np.asarray(sensed[np.hypot(*(sensed - blocking).T) < OBSTACLE_MEMORY_RADIUS_M])
 
     def around(self, robot: Robot, blocking: FloatArray) -> FloatArray:
-        """Return the points (n, 2) of an obstacle near the point `blocking` (2,) that the base would touch.
+        """Return the points (n, 2) of the obstacle to which `blocking` (2,) belongs, a point that blocks the
+        path.
 
         The result is `blocking` itself and the points near it in this period's scan that may be obstacles;
         all are in the field's frame, in [m].

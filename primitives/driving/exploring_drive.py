@@ -75,8 +75,8 @@ class ExploringDrive:
             yield
 
     def is_near(self, pose: Pose2) -> bool:
-        """Return whether a pose map_T_base is near enough to the goal to sense the frontier (border of
-        unknown ground) from it.
+        """Return whether a pose map_T_base is within `NEAR_M` and `NEAR_RAD` of the goal, near enough to
+        sense the frontier (border of unknown ground).
         """
         return pose.distance(self.goal) < NEAR_M and pose.turn(self.goal) < NEAR_RAD
 

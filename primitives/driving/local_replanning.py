@@ -86,7 +86,7 @@ class LocalReplanning:
 
     @property
     def waits_since(self) -> float | None:
-        """Time since which an obstacle or people stop the base, in [s]; None if the base makes progress."""
+        """Time since which the base has waited for an obstacle or people, in [s]; None if it does not."""
         since = [item for item in (self.blocked_since, self.people.waits_since) if item is not None]
         return min(since, default=None)
 
@@ -281,7 +281,7 @@ class LocalReplanning:
                 self._layer.add(np.array([[robot.held.x, robot.held.y]]), robot.time)
 
     def pinned(self, robot: Robot) -> bool:
-        """Return whether the base should back off, because a near obstacle has stopped it for too long."""
+        """Return whether the base should back off, because a near obstacle has stopped it for `PINNED_S`."""
         pinned = self._held_for > PINNED_S and self.waits_since is None
         return pinned and self._backed_off < BACK_OFF_MAX_TRIES
 

@@ -27,7 +27,8 @@ STALE_TRAVEL_M = 0.3  # of the wheels, in which a lidar repeats its scan: it doe
 class ScanCollector:
     """Collector of scans for a map that grows during a drive.
 
-    Whenever the base has moved or turned by a certain amount, the scan is added to the map as a keyframe.
+    Whenever the base has moved `KEYFRAME_TRAVEL_M` or turned `KEYFRAME_TURN_RAD`, the scan becomes a keyframe
+    of the map.
     """
 
     def __init__(self, robot: Robot, lidar: Lidar, known: GridMap | None) -> None:
@@ -59,7 +60,8 @@ class ScanCollector:
     def take(self, robot: Robot) -> None:
         """Update the wheel odometry, and keep this period's scan as a keyframe if one is due.
 
-        A keyframe is due once the base has moved or turned by a certain amount since the last one.
+        A keyframe is due once the base has moved `KEYFRAME_TRAVEL_M` or turned `KEYFRAME_TURN_RAD` since the
+        last.
 
         Raises:
             NeedsPerson: the lidar repeats its scan although the wheels roll.

@@ -24,7 +24,7 @@ def way_back_blocked(local: LocalReplanning, robot: Robot, ahead: FloatArray) ->
     """Return whether an obstacle is on the first `HOLD_DISTANCE_M` of the recorded route back.
 
     Args:
-        local: what the drive has sensed.
+        local: replanning of the drive's routes, with the obstacles that the robot has sensed.
         robot: the robot.
         ahead: (n, 2) points of the way back, from the robot's present position on, on the map, in [m].
     """

@@ -68,9 +68,9 @@ class Deploy(TreePrimitive):
     cannot be undone. If the sensor leans on a finger, the hand moves until the sensor is upright by itself.
     The fingers feel for the sensor's top; then the arm returns along the same path.
 
-    With `together`, arm and base move at the same time. The MOVE_TO before has then brought the sensor over
-    the target, and the next one brings the arm back. In the end the arm is only lifted, except for the last
-    sensor.
+    With `together`, arm and base move at the same time. The primitive MOVE_TO before this one has then
+    brought the sensor over the target, and the MOVE_TO after it brings the arm back. In the end the arm is
+    only lifted, except for the last sensor.
     """
 
     target: TargetName

@@ -72,7 +72,7 @@ class Field(FileModel):
         """Return the height of the frame `hand` above the foot of a held sensor, in [m].
 
         Args:
-            finger_tip: distance of the finger tips from the hand's origin, in [m].
+            finger_tip: distance of the finger tips from the origin of the frame `hand`, in [m].
         """
         return finger_tip + (self.sensor_mm[2] - self.gripped_mm) / 1e3
 

@@ -40,7 +40,7 @@ def load_speed_limits(path: Path, spec: SpeedMask) -> SpeedLimits:
         spec: scale and unit of the mask's values.
 
     Raises:
-        FileError: the file is missing or wrong.
+        FileError: the file is missing or its content is invalid.
     """
     read = read_occupancy(path)
     percent = spec.type == "percent"

@@ -121,7 +121,7 @@ class Place(FileModel):
 
 
 class Places(FileModel):
-    """Places of a map, by name."""
+    """File of the named places of a map, which are poses of the base with tolerances."""
 
     format: Literal["handcart-places/1"]
     places: dict[str, Place]

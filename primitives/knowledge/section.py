@@ -220,7 +220,7 @@ class Section:
         return tuple(field.name for field in fields(cls))
 
     def forget_element(self) -> None:
-        """Set all entries named in `ELEMENT` to None.
+        """Set all entries of the section that its class attribute `ELEMENT` names to None.
 
         They belong to one element of a list over which the task repeats actions. Called when the task goes on
         to the next element.

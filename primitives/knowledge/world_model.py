@@ -247,7 +247,7 @@ class WorldModel:
 
     @classmethod
     def entry_types(cls) -> dict[str, Any]:
-        """Return the type of each entry (named piece of knowledge) of the model, also of all domains."""
+        """Return the type of each entry (named piece of knowledge), including those of all domains."""
         found = {name: kind for name, kind in types_of(cls).items() if name in cls.ENTRIES}
         for section in sections().values():
             found |= {name: types_of(section)[name] for name in section.entries()}

@@ -156,7 +156,9 @@ class HandOver(ActionPrimitive):
         return () if held is None else (MeantContact("hand", name_in_world(held.object)),)
 
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        """Wait until nobody pulls, then play the motion backwards with the object in the hand."""
+        """Wait until nobody pulls at the held object, then play the motion backwards, with the object in the
+        hand.
+        """
         self._phase = HeldPhase.CARRIED
         if self._watch is not None:
             yield from self._await_calm(robot, self._watch)

@@ -93,7 +93,7 @@ class Divide(ActionPrimitive):
 
         Args:
             placer: planner of base poses for the robot.
-            rest: rest of the seam, on the map.
+            rest: part of the seam that is not tracked yet, on the map.
             room: free poses of the base.
 
         Raises:

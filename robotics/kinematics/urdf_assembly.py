@@ -26,7 +26,8 @@ class Part(NamedTuple):
 
 
 def with_part(urdf_text: str, part: Part) -> str:
-    """Return a URDF with a part fixed onto one of its links. Only links, joints and materials are copied.
+    """Return a URDF with a part fixed onto one of its links. Of the part, only links, joints and materials
+    are copied.
 
     Raises:
         ValueError: one of the two URDFs can't be read, the link that should carry the part is missing, or a

@@ -23,7 +23,7 @@ class UrdfFault(NamedTuple):
 
 
 class UrdfFaults(ValueError):
-    """Error of a text that is not a sound URDF, with all its faults."""
+    """Error of a text that is not a valid URDF, with all faults found in it."""
 
     def __init__(self, faults: Iterable[UrdfFault]) -> None:
         self.faults = tuple(faults)
@@ -39,7 +39,7 @@ class UrdfElement(ElementTree.Element):
     column: int = 0
 
     def fault(self, message: str) -> UrdfFault:
-        """Return a fault at this element."""
+        """Return a fault of the URDF at the line and column of this element, with a message for people."""
         return UrdfFault(self.line, self.column, message)
 
 

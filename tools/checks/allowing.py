@@ -20,7 +20,7 @@ def allow_contacts(file: Path) -> None:
         file: path of the robot's file.
 
     Raises:
-        FileError: the robot's files are wrong.
+        FileError: the robot's files are invalid.
         NotWritable: the file cannot be written.
     """
     from handcart.backends.loading.robot_loading import load_robot

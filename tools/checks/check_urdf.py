@@ -27,7 +27,7 @@ def urdf_facts(file: Path, every: bool = False, draft: Path | None = None) -> di
         draft: path to which a first draft of a robot's file is written; None: no draft.
 
     Raises:
-        FileError: the URDF is wrong.
+        FileError: the URDF is invalid.
         InputError: the draft cannot be written to this path.
 
     A xacro file is written as a URDF next to the draft, if there is a draft.

@@ -103,7 +103,7 @@ class RunDesk:
         self._looked: tuple[object, LastRun | None] = (None, None)
 
     def offer(self, link: ServingLink) -> None:
-        """Offer the services that start a run of each task, acknowledge and resume."""
+        """Offer the services that start a run of each task, acknowledge a record, and resume a run."""
         for name in self._tasks:
             link.serve(f"{SERVICE_PREFIX}/run/{name}", lambda name=name: self.request(name))  # type: ignore[misc]
         link.serve(f"{SERVICE_PREFIX}/acknowledge", self.acknowledge)

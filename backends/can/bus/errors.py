@@ -154,7 +154,7 @@ class Difference:
 
 
 class ReadBackDiffers(CanFault):
-    """Error: settings of drives differ from the written ones; nothing moves."""
+    """Error: settings that were read back from drives differ from the written ones; nothing moves."""
 
     def __init__(self, differences: Sequence[Difference]) -> None:
         self.differences = tuple(differences)

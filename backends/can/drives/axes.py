@@ -111,7 +111,7 @@ class Axes(Mapping[str, Axis]):
         """Check the drive of each axis after a SYNC.
 
         Raises:
-            CanFault: a drive is faulty.
+            CanFault: a drive does not answer, is not enabled, or does not follow its commands.
         """
         for check in self._checks:
             check.check()

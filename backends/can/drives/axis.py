@@ -377,7 +377,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def stands(self) -> bool:
-        """True if the drive's last reported velocity is below a small share of the axis' top speed."""
+        """True if the drive's last reported velocity is at most 1 % of the axis' top speed."""
         return abs(self.velocity) <= _STANDS * self.limits.speed
 
     @property

@@ -55,7 +55,9 @@ def rim_acceleration(robot: RobotFile) -> float:
 
 
 def wheel_limits(robot: RobotFile, spec: WheelDriveSpec) -> AxisLimits:
-    """Return the limits of a wheel's rim, in [m], [m/s] and [m/s²]."""
+    """Return the limits of a wheel drive's travel, speed and acceleration, in [m], [m/s] and [m/s²] of the
+    rim.
+    """
     speed, rate = rim_speed(robot), rim_acceleration(robot)
     window = spec.following_mm / 1e3
     return AxisLimits(speed, rate, _QUICKER * rate, -math.inf, math.inf, window, FULL_TORQUE)

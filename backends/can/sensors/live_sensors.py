@@ -28,7 +28,7 @@ _KINDS: dict[str, type[Capability]] = {
 
 
 def sensor_kinds(sensors: SensorsSpec) -> tuple[type[Capability], ...]:
-    """Return the capabilities that the sensors of a robot's file provide; nothing is opened."""
+    """Return the capabilities that the sensors of a robot's file provide, without opening any device."""
     return tuple(kind for key, kind in _KINDS.items() if getattr(sensors, key) is not None)
 
 

@@ -72,7 +72,7 @@ class DriveLife:
         self._go("_reset" if rising & 0x80 else _trigger(controlword))
 
     def quick_stop(self) -> None:
-        """Begin a quick stop, as the controlword for it does."""
+        """Begin a quick stop, as if the controlword that commands it had arrived."""
         self._go("_quick_stop")
 
     def disable(self) -> None:

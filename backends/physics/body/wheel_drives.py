@@ -51,7 +51,9 @@ class WheelDrives:
         self._goal = self._goal + rolled
 
     def follow(self) -> None:
-        """Command the drives to turn the wheels at `speeds` in the next part of a control period."""
+        """Command the drives to turn the wheels at the wanted `speeds` until the next call in a control
+        period.
+        """
         angles = self._angles()
         lag = np.minimum(np.maximum(self._goal - angles, -MOST_LAG), MOST_LAG)
         self._goal = angles + lag + self.speeds * self._chunk

@@ -41,9 +41,9 @@ class Pinned:
 
 
 class Touching(NamedTuple):
-    """Contact of a body, whose contacts a caller requested, with another body of the engine.
+    """Contact between a link of the body that a caller asked about and a link of another body.
 
-    `link` belongs to the first body, `other_link` to the body with the number `other`.
+    `link` is a number in the first body, `other_link` in the other one, which has the number `other`.
     """
 
     link: int
@@ -220,7 +220,9 @@ class Engine(ABC):
 
     @abstractmethod
     def contacts(self, body: int) -> Sequence[ContactPoint]:
-        """Return the contact points of a body with others, and of the robot with itself."""
+        """Return the contact points of a body with other bodies; if it is the robot, also of its links with
+        each other.
+        """
 
     @abstractmethod
     def free_shares(self, start: FloatArray, ends: FloatArray) -> FloatArray:

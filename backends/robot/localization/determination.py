@@ -82,8 +82,8 @@ class Undetermined(NamedTuple):
 
     @property
     def words(self) -> str:
-        """Message that names the direction in which the pose is too uncertain, its uncertainty, and the
-        limit.
+        """Message that names the direction in which the pose is too uncertain, its uncertainty there, and the
+        largest allowed one.
         """
         size, limit = self.shown
         digits = (0 if limit >= 10.0 and self.unit == "mm" else 2) if limit >= 0.1 else 4

@@ -274,7 +274,7 @@ class Localization(ABC):
 
     def measure_displacement(self, displacement: Pose2, covariance: FloatArray) -> None:
         """Correct the resting base's pose by a measured motion since `set_origin` (origin_T_base), with
-        covariance (3, 3) of x, y [m] and heading [rad]; until it drives, scans only detect pushes.
+        covariance (3, 3) of x, y [m] and heading [rad]; until the base drives, scans only detect pushes.
         """
         self._wheels.odometry.measure_displacement(displacement, covariance)
         self.still = STILL_SCANS + 1

@@ -92,8 +92,8 @@ class HeardRobot:
 
     @property
     def may_drive(self) -> bool:
-        """True if the messages come from a recording; the robot may drive in it, and must be at rest
-        otherwise.
+        """True if the messages come from a recording, in which the robot may drive; a live robot must be at
+        rest.
         """
         return self._over is not None
 

@@ -30,7 +30,7 @@ class OtherEnd(Protocol):
         """
 
     def step(self) -> None:
-        """Simulate one control period."""
+        """Advance the simulated drivers, and the robot behind them, by one control period."""
 
     def state(self) -> dict[str, object] | None:
         """Return the state of the simulated robot and its drivers for a checkpoint; None if it cannot be

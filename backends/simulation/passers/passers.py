@@ -127,7 +127,9 @@ class Passers:
         return False
 
     def steps(self) -> list[tuple[str, float, WalkStep]]:
-        """Return name, radius in [m], and present position and motion of each passer."""
+        """Return name, radius in [m], and present position and motion of each passer, a simulated person who
+        walks about.
+        """
         return [
             (name, self._specs[number].radius_m, self._step(number, walk))
             for number, name, walk in self._walks

@@ -115,7 +115,7 @@ class OutageSpec(FileModel):
 
 
 class SkySpec(FileModel):
-    """Disturbances of a satellite receiver, in addition to its own noise."""
+    """Disturbances of a simulated satellite receiver (reflections, outliers, outages), besides its noise."""
 
     reflection_every_s: Annotated[float, Field(gt=0.0)] | None = None
     """Mean time from the end of one reflection (multipath) to the next (default: no reflections)."""

@@ -192,8 +192,8 @@ class JointLag:
     def periods(self) -> float:
         """Return the lag in periods, at least 0.
 
-        NaN if the joint has not moved far enough yet, or if it moved before the command. In this case
-        something else moved it, such as an earlier command.
+        NaN if the joint has not moved by the `passed` of the constructor yet, or if it moved clearly ahead of
+        the command: then something else moved it, such as an earlier command.
         """
         if not math.isfinite(self._read) or self._is_moved_otherwise:
             return math.nan

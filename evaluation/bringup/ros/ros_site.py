@@ -24,7 +24,7 @@ from handcart.networks.runs.robot_claim import claimed
 
 @dataclass
 class RosSite(RobotSite):
-    """Robot that is connected by ROS topics, or its simulated bench in this process."""
+    """Robot to bring up that is connected by ROS topics, or a simulated robot as bench in this process."""
 
     differences: RobotDifferences = field(default_factory=RobotDifferences)
     """Differences between the bench's robot and the file."""

@@ -202,7 +202,7 @@ def trial_of(line: bytes) -> Trial | None:
 
 
 def read_offsets(path: Path) -> tuple[dict[int, int], int]:
-    """Return the first byte of each trial's line in a log, by seed, and the end of the last complete line.
+    """Return the offset in bytes of each trial's line in a log, by seed, and of the last complete line's end.
 
     Raises:
         TrialLogError: the log cannot be read, or a line before the last one is damaged.

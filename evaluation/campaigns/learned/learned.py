@@ -65,7 +65,9 @@ class Learned:
         return cls(task, tuple(folders), seen)
 
     def check(self) -> None:
-        """Raise `NothingLearned` if predictions from one half of the trials are wrong for the other half."""
+        """Raise `NothingLearned` if one half of the trials predicts results that differ significantly in the
+        other.
+        """
         wrong = self.trust.wrong
         if wrong is not None:
             raise NothingLearned(

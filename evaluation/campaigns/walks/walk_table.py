@@ -85,8 +85,8 @@ class WalkTable:
             states: (n,) numbers of states in the table.
 
         Returns:
-            (n,) the numbers of the states themselves; `GOAL` in place of a state at the goal, `NO_WAY` in
-            place of a state without a route to it.
+            (n,) for each state the row of its planned action, which is the state's number; `GOAL` for a state
+            at the goal, `NO_WAY` for a state without a route to the goal.
         """
         for number in set(states.tolist()):
             if self._first[number] is None:

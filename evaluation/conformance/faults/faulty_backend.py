@@ -76,9 +76,9 @@ class FaultyBackend(LayeredBackend):
             base.drive(math.copysign(SLIDING_SPEED_M_S, fault.turn_rate), 0.0)
 
     def stay(self) -> bool:
-        """End an injected slip of the base; return whether the base slid a short time ago.
+        """End an injected slip of the base; return whether it slid in the last `SETTLING_PERIODS` periods.
 
-        A stuck arm or gripper no longer catches up with its goal, so that the fault moves nothing more.
+        Goals that a stuck arm or gripper has not reached are dropped, so that the fault moves nothing more.
         """
         slid = (
             self._fault is not None and self._fault.kind is FaultKind.SLIP and self._left > -SETTLING_PERIODS

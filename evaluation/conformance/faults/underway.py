@@ -87,7 +87,7 @@ class Underway:
         self.backend.asked = True
 
     def advance(self) -> Outcome | None:
-        """Run one period; return the outcome if the attempt has ended, otherwise None."""
+        """Execute one control period of the attempt; return its outcome if it has ended, otherwise None."""
         try:
             next(self.periods)
         except StopIteration as end:

@@ -76,7 +76,7 @@ class QueuesCommands(LayeredBackend):
         self._due = QUEUE_DELAY_PERIODS
 
     def step(self) -> None:
-        """Send the base's last command again when some periods have passed since a stop, then step."""
+        """Send the base's last command again a few periods after a stop (the planted fault), then step."""
         base = part_of(self.inner, Base)
         self._due -= 1
         if base is not None and 0 <= self._due < QUEUE_DELAY_PERIODS // 2:

@@ -89,7 +89,7 @@ class Reach(ActionPrimitive):
             yield
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Return whether the base has moved ahead far enough, by its estimated pose."""
+        """Return whether the base has gone `MIN_REACHED_RATIO` of `ahead_m`, by its estimated pose."""
         return (
             self._pose is not None and robot.pose.relative_to(self._pose).x > MIN_REACHED_RATIO * self.ahead_m
         )

@@ -152,7 +152,7 @@ class PosedBox(Protocol):
 
     @property
     def thing_T_middle(self) -> Transform:
-        """Pose thing_T_middle (4, 4) of the box's middle in the box's frame."""
+        """Pose thing_T_middle (4, 4) of the box's middle in the frame that `pose` locates in the world."""
 
 
 def thing_shapes(things: Sequence[PosedBox]) -> list[ThingShape]:

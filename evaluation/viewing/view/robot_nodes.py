@@ -23,7 +23,7 @@ FINGER_JOINTS = ("left_finger", "right_finger")
 
 
 class RobotNodes:
-    """Drawing of a robot that is created once and then only moved."""
+    """Nodes of the web page's 3D view that draw the robot; they are created once and then only moved."""
 
     def __init__(self, server: viser.ViserServer, shape: RobotShape) -> None:
         """Draw the robot with its base at the world's origin; meshes that are not on this machine are

@@ -94,7 +94,7 @@ def kind_of(model: ModelView, name: str) -> ObjectKind:
 
 
 def surface_of(model: ModelView, name: str) -> ObjectSurface:
-    """Return a surface, as it was measured; raises `Discrepancy` if the file has no such surface."""
+    """Return a surface, as it was measured; raise `Discrepancy` if the file of objects does not have it."""
     objects = model.of(Objects)
     if name not in objects.objects.surfaces:
         raise Discrepancy(f"unknown surface {name!r}", permanent=True, cause=causes.NOT_KNOWN)

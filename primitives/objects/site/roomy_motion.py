@@ -96,12 +96,13 @@ def move_with_room(
     without: str = "",
     open_areas: Sequence[FloatArray] = (),
 ) -> Periods:
-    """Move to joints (n,), in [rad] or [m], at a distance from walls if both ends and a path allow it.
+    """Move to joints (n,), in [rad] or [m], and keep additional distance from walls and bodies if start, goal
+    and a path allow it.
 
     Args:
         robot: robot whose arm holds the last commanded joints.
-        model: knows surfaces and objects.
-        joints: goal.
+        model: world model, with the surfaces and objects to avoid.
+        joints: (n,) goal, in [rad] or [m].
         held: held object, posed in the hand frame.
         also_around: further bodies to keep clear of, in the base frame.
         without: name of an object that is left out of the surroundings.

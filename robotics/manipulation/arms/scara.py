@@ -119,7 +119,7 @@ class Scara(NamedTuple):
         """Return the position (3,) of the tip in the base frame, in [m].
 
         Args:
-            q: (3,) two angles in [rad] and the slide in [m].
+            q: (3,) angles of the two arm joints in [rad], and travel of the slide in [m].
         """
         x, y, z, yaw = self.mount
         plane = Pose2(x, y, yaw).apply(self.tip(q)[None]).reshape(2)

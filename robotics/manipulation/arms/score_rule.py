@@ -45,7 +45,8 @@ class ScoreRule(NamedTuple):
     def of_limits(
         cls, measure: Measure, velocity: FloatArray, torque: FloatArray, speed: float, force: float
     ) -> ScoreRule:
-        """Return the rule for the limits of an arm's joints and for speed and force of its tool.
+        """Return the rule that scores base poses by the limits of an arm's joints and by speed and force of
+        its tool.
 
         Args:
             measure: measure of the score.
@@ -71,7 +72,9 @@ class ScoreRule(NamedTuple):
 
     @classmethod
     def uniform(cls, measure: Measure, low: float, high: float, joints: int) -> ScoreRule:
-        """Return the rule with equal limits on the lever for all joints, in [m], as Shin (2005) uses them."""
+        """Return the rule for scoring base poses with the same limits in [m] on the force's lever at each
+        joint.
+        """
         return cls(measure, np.full(joints, low), np.full(joints, high))
 
     @property

@@ -137,7 +137,8 @@ class CollisionModel:
         return not any(self.in_collision(q) for q in between[_coarse_first(len(between))])
 
     def path_free(self, path: FloatArray, step: float = 0.01) -> bool:
-        """Return True if all straight joint lines along a path are free, its points included.
+        """Return True if all straight joint lines along a path are free of collisions, the path's points
+        included.
 
         Args:
             path: (m, n) joint angles, in [rad] or [m].

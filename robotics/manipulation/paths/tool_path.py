@@ -68,7 +68,7 @@ class ToolPath(NamedTuple):
         """Return the path with other points, interpolated on straight lines between its present points.
 
         Args:
-            lengths: (k,) arc lengths, in [m].
+            lengths: (k,) arc lengths of the new points from the path's start, in [m].
         """
         points, tangents, turns = (
             np.column_stack([np.interp(lengths, self.lengths, axis) for axis in field.T])

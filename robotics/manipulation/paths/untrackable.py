@@ -9,7 +9,8 @@ class Untrackable(ValueError):
     """Error for a path that the arm cannot follow, or for which no set of base poses exists.
 
     Attributes:
-        index: number of the first bad point, from 0, from which a caller can compute its line in a file.
+        index: number of the path's first point that cannot be tracked, from 0; a caller can find its line in
+            a file.
         why: what is wrong with that point.
         nearest: position (3,) near that point, in [m], that could be tracked; None where none is known.
     """

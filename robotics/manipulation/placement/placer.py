@@ -64,8 +64,9 @@ class Placer(BaseScorer):
             cost: score that one more placement must gain, in [m].
 
         Raises:
-            Untrackable: no set of placements tracks the path, or more than `count` are needed; names the
-                first bad point, and the nearest position that can be reached if one is known.
+            Untrackable: no set of placements tracks the path, or more than `count` are needed; the error
+                names the path's first point that cannot be tracked, and the nearest position that can, if
+                known.
         """
         kept = _thinned(len(path.points), self.grid.points)
         thin = path_points(path, kept)

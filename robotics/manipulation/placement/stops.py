@@ -80,7 +80,9 @@ class StopTable(NamedTuple):
 
     @property
     def usable(self) -> BoolArray:
-        """Return a mask (b, n), True where all motions of a goal are reached and a landmark is in sight."""
+        """Return a mask (b, n) of base poses and goals, True where the arm reaches all motions and sees a
+        landmark.
+        """
         sighted = np.asarray(self.sights.any(axis=1))
         return np.asarray(self.served & sighted[:, None])
 

@@ -25,7 +25,7 @@ def explained(
     poses: tuple[FloatArray, FloatArray],
     kept: IndexArray,
 ) -> Untrackable:
-    """Return an error of a search, completed by the reason and the nearest position that can be tracked.
+    """Return an error of a search for base poses, with the reason and the nearest trackable position added.
 
     The search uses a thinned path; the point in the returned error is that of the complete path.
 

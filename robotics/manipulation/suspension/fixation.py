@@ -53,8 +53,8 @@ class PlannedView(NamedTuple):
     """View of a landmark as planned, from a base at its planned pose (relation A of Hatano et al., 2000).
 
     Frames of the paper: M0 is the planned base and M the actual base, 6 the hand, C the camera, P0 the
-    landmark, W the world; 60 and C0 are hand and camera as planned. The paper's equations, with errors
-    corrected, do not depend on the pose in the world:
+    landmark, W the world; 60 and C0 are hand and camera as planned, M~_T_60 is `next_hand`. The equations,
+    numbered as in the paper and with its errors corrected, do not depend on the pose in the world:
 
         (4)   dT_C = C0_T_P0 · C_T_P0⁻¹                                     `camera_error`
         (9)   W_T_M0 · M0_T_60 · 60_T_C0 · dT_C = W_T_M · M_T_60 · 60_T_C0  follows from (1), (2) and (4)
@@ -82,8 +82,9 @@ class PlannedView(NamedTuple):
         """Return the pose base_T_hand (4, 4) to which the hand moves next, so that the landmark is seen as
         planned.
 
-        M_T_6^(k+1) = M_T_6^k · 60_T_C0 · (dT_C^k)⁻¹ · 60_T_C0⁻¹, with the hand 6, the base M and the planned
-        camera C0. Errors of the motion remain.
+        M_T_6^(k+1) = M_T_6^k · 60_T_C0 · (dT_C^k)⁻¹ · 60_T_C0⁻¹, with the base M, the hand 6, its planned
+        pose 60, the planned camera C0, and the camera's error dT_C (`camera_error`). Errors of the motion
+        remain.
 
         Args:
             base_T_hand: (4, 4) pose of the hand now.

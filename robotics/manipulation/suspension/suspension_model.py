@@ -46,8 +46,8 @@ class SuspensionModel(NamedTuple):
     """Height of the tilt axes above the base frame's origin, in [m]."""
 
     def motion(self, base_T_hand: Transform, reference: Transform, swings: float) -> Transform:
-        """Return reference_T_base (4, 4), the motion of the base since the reference posture: dPsi · dPhi of
-        Hatano et al. (2000), eq. 12.
+        """Return reference_T_base (4, 4), the motion of the base since the reference posture: the yaw dPsi,
+        then the tilt dPhi (Hatano et al., 2000, eq. 12).
 
         Args:
             base_T_hand: (4, 4) pose of the hand now.

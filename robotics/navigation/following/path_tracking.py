@@ -84,7 +84,7 @@ class PathTracker:
         self._set_route(points, allowed)
 
     def limit_speeds(self, allowed: AllowedSpeeds | None) -> None:
-        """Follow the same route with other speed limits by position; None: those of the drive alone."""
+        """Follow the same route with new speed limits by position; None: only the drive's own limits."""
         most = np.full(len(self._points), self._limits.speed)
         if allowed is not None:
             most = _around(allowed.at(self._points, self._limits.speed))

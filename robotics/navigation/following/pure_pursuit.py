@@ -46,7 +46,7 @@ class PurePursuit:
 
     @property
     def left(self) -> float:
-        """Length of path still ahead, in [m]."""
+        """Length of the path from the point that the car has reached to the path's end, in [m]."""
         return float(self._along[-1] - self._along[self._at])
 
     def command(self, pose: Pose2, speed: float, dt: float) -> tuple[float, float]:

@@ -97,8 +97,8 @@ class KeyframeLayer:
         return True
 
     def match(self, points: FloatArray, prior: Pose2, sigma: float) -> LayerMatch | None:
-        """Match a scan with the keyframes; None if no keyframe is near, or if they match too few of its
-        points.
+        """Match a scan with the keyframes; None if no keyframe is near, or less than the share `MIN_INLIERS`
+        of its points matches.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].

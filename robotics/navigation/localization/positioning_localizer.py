@@ -82,8 +82,8 @@ class PositioningLocalizer(Localizer):
         return False
 
     def take(self, number: int, measured: Pose2, periods: int) -> bool:
-        """Correct the pose by a reading; return True if this and earlier readings show that the base was
-        moved.
+        """Correct the pose by a reading; return True if this and earlier readings show that somebody moved
+        the base.
 
         If it was moved, the pose is set to the reading. A single reading far from the expected pose is
         ignored.

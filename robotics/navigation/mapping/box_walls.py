@@ -46,7 +46,7 @@ def surface_distances(points: FloatArray, boxes: Sequence[Box]) -> FloatArray:
 
 
 def compare_with_boxes(grid: GridMap, boxes: Sequence[Box], map_T_boxes: Pose2) -> BoxWalls:
-    """Compare the walls of a map with the boxes that are truly in the mapped world.
+    """Return the errors of a map's walls, by comparison with the boxes that are truly in the mapped world.
 
     Args:
         grid: the map.

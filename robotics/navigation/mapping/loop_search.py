@@ -47,8 +47,8 @@ def candidates(
 ) -> list[Candidate]:
     """Return the earlier keyframes whose place a later keyframe may have come back to, nearest first.
 
-    If successive keyframes are near enough, only the nearest of them is returned. At least `MIN_TRAVEL_M` of
-    way lie between an earlier keyframe and the later one.
+    Of successive keyframes that are all near enough to the later one, only the nearest is returned. At least
+    `MIN_TRAVEL_M` of way lie between an earlier keyframe and the later one.
 
     Args:
         poses: (n, 3) map_T_base of the keyframes: x, y in [m], heading in [rad].

@@ -25,7 +25,7 @@ class Nearest(NamedTuple):
 class Clearances:
     """Distances of points on a map to the nearest solid cell; each solid cell is a solid square.
 
-    Beyond the map's border nothing is solid, unless `walled` is True; then everything there is.
+    Beyond the map's border nothing is solid, unless `walled` is True: then all of the ground there is solid.
     """
 
     def __init__(self, grid: GridMap, solid: BoolArray | None = None, walled: bool = False) -> None:

@@ -79,7 +79,7 @@ class WatchedMoment(NamedTuple):
     def corrected(
         self, covariance: FloatArray, rows: FloatArray, residual: FloatArray, variance: float
     ) -> Self:
-        """Return the estimate of the earlier states after a filter update by readings of the present states.
+        """Return the estimate of the states at the watched moment after a filter update by later readings.
 
         Args:
             covariance: (n, n) of the present states before the readings, in their units squared.

@@ -20,8 +20,8 @@ class FixMonitor:
 
     Single fixes and sums of fixes are tested. If signals are reflected, each fix may be shifted by less than
     the error of a single fix. Each fix then passes the test, but their sum does not, because the innovations
-    of a correct filter have zero mean. From then on all fixes are rejected, until several in a row agree with
-    the filter's prediction.
+    of a correct filter have zero mean. Once a test has failed, all fixes are rejected, until several in a row
+    agree with the filter's prediction.
     """
 
     STATE: ClassVar = {"_sums": list[FloatArray], "_doubted": list[FloatArray], "doubting": bool}

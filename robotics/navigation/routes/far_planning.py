@@ -102,7 +102,7 @@ class FarPlanner:
 def split(route: FloatArray, window: GridMap, radius: float) -> int:
     """Return how many of a route's first points are to be planned again within a window of the map.
 
-    The last of them has enough room around it.
+    The last of them is in the window, with room for the footprint around it if there is such a point.
 
     Args:
         route: (n, 2) points of the route on the map, in [m]; the route begins in the window.

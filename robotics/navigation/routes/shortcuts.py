@@ -153,7 +153,7 @@ def around_corners(free: BoolArray, squares: BlockedSquares, need: float, way: I
     Each such step leads over a neighbouring free cell instead.
 
     Args:
-        free: (h, w) cells whose centres have the room needed.
+        free: (h, w) cells whose centres have the clearance `need`.
         squares: blocked squares of the map.
         need: clearance that a step must have, in [cells].
         way: (n, 2) row and column of the path's cells; lines longer than one step have the clearance already.

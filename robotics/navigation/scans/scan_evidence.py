@@ -265,7 +265,8 @@ def _cost(square: float, scale: float) -> float:
 
 
 def confirmed(seen: ScanEvidence, before: ScanEvidence | None) -> ScanEvidence:
-    """Return a scan's evidence, with a share of 0 if the evidence of the previous scan contradicts it.
+    """Return a scan's evidence, with `share` (the usable part of the information) 0 if the previous scan
+    contradicts it.
 
     The previous scan contradicts the evidence if it has no evidence itself in about the same direction.
 

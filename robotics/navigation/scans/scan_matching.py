@@ -230,8 +230,8 @@ def descend_scan(
     Poses are map_T_base: x, y in [m] and heading in [rad].
 
     Args:
-        facing: (k, h, w) distances to surfaces, as `LikelihoodField.facing`, in steps of
-            1 / `STEPS_PER_CELL` cells.
+        facing: (k, h, w) distances of cells to surfaces that face each of k beam directions
+            (`LikelihoodField.facing`), in steps of 1 / `STEPS_PER_CELL` cells.
         occupied: (h, w) cells of the map.
         points: (n, 2) points of the scan in the base frame, in [m].
         start: (3,) pose at which the iteration begins.

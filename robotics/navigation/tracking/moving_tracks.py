@@ -85,8 +85,8 @@ class _Body:
 
 
 class TrackedScan(NamedTuple):
-    """Result of tracking people and carts, with a scan's points on moving bodies, and the ground that they
-    left.
+    """Result of tracking people and carts, with a scan's points on moving bodies, and the ground that those
+    bodies left.
     """
 
     moving: BoolArray

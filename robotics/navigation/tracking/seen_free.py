@@ -35,7 +35,7 @@ class PastScan:
 
     @cached_property
     def goes_round(self) -> bool:
-        """True if the first beam is the next one after the last."""
+        """True if the beams cover a full turn, so that the first beam is the last one's neighbour."""
         return len(self.angles) * self.spacing > 2.0 * np.pi - 1.5 * self.spacing
 
     def clear(self, reach: float) -> FloatArray:

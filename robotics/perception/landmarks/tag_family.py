@@ -59,7 +59,7 @@ def dictionary(family: TagFamily) -> cv2.aruco.Dictionary:
 def corrected_bits(family: TagFamily) -> int:
     """Return how many wrongly read bits can be corrected in each tag of a family.
 
-    It is 1 if all codes of the family differ enough from each other, otherwise 0.
+    It is 1 for the families in `CORRECTING_FAMILIES`, whose codes differ in enough bits, otherwise 0.
     """
     return int(family in CORRECTING_FAMILIES)
 

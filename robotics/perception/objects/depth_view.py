@@ -68,8 +68,8 @@ def over_surface(view: DepthView, base_T_surface: Transform, size: tuple[float, 
     measured.
 
     The scale of a camera's depths and the pose of a camera on an arm have errors. Both errors are computed
-    from the measured plane, because the surface is level and its height is known. The result is None if too
-    little of the surface is seen.
+    from the measured plane, because the surface is level and its height is known. The result is None if fewer
+    than `PLANE_MIN_POINTS` points are on the plane, or the camera is not above it.
 
     Args:
         view: points of the picture.

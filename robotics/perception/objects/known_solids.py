@@ -63,11 +63,11 @@ class SolidCandidate(NamedTuple):
 def candidates(cluster: PointCluster, known: Sequence[KnownSolid]) -> list[SolidCandidate]:
     """Return all known solids that a group of points may belong to, upright or fallen, each at most once.
 
-    A solid fits if height and outline of its upper side are as measured, and no point of the group is outside
-    it. So points of two solids that touch each other fit no solid.
+    A solid fits if the height and the outline of its upper side agree with the group's points, and none of
+    them is outside it. So points of two solids that touch each other fit no solid.
 
     Args:
-        cluster: group of points.
+        cluster: measured points that lie close together, as one group.
         known: known solids.
     """
     found = []

@@ -54,7 +54,7 @@ def fit_outline(
         points: (n, 2) on the outline or a part of it, in any plane frame, in [m]; the pose is in that frame.
         sides: lengths of a rectangle, or the diameter of a circle, in [m].
         cell: distance of neighbouring points, in [m].
-        pixel: distance of neighbouring readings, in [m].
+        pixel: distance of neighbouring pixels of the depth camera on the object, in [m].
     """
     if len(points) < 12:
         return None
