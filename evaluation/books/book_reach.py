@@ -24,7 +24,7 @@ Span = tuple[float, float] | None
 
 @dataclass(frozen=True)
 class GraspRow:
-    """Range in which the hand, upright and pointing ahead, can hold a book on a board of one height."""
+    """Positions at which a hand, upright and pointing ahead, can hold a book on a board of one height."""
 
     board_m: float
     """Height of the surface under the book."""

@@ -14,8 +14,8 @@ from .stage import Stage
 
 
 def stages(network: ActionNetwork) -> list[Stage]:
-    """Return the stages of a network, pieces that each successful run passes exactly once, in the order of
-    runs.
+    """Return the stages of a network, in the order in which runs pass them; each successful run passes each
+    stage exactly once.
     """
     ways = ways_of(network)
     above = dict(nx.immediate_dominators(ways, network.start))

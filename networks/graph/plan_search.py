@@ -147,8 +147,8 @@ class PlanSearch:
         return [known.get(action.index, base[action.index]) for action in actions]
 
     def weight(self, action: Action, fails: Mapping[int, int]) -> float:
-        """Return the weight of an action in planning, in [s]: its cost, raised by its Fails; infinite if
-        excluded.
+        """Return the weight of an action in planning, in [s]: its cost, doubled for each of its Fails;
+        infinite if excluded.
 
         Args:
             action: the action.

@@ -119,7 +119,7 @@ def read_run_journal(folder: Path) -> JournalContents:
 
     Raises:
         NoRun: the journal is missing, or something in the folder is not a plain file.
-        JournalError: a record before the last one is damaged, or a record is inconsistent.
+        JournalError: a record before the last one is damaged, or the fields of a record make no sense.
     """
     check_folder(folder)
     content = read_file(folder, JOURNAL_FILE, MAX_JOURNAL)

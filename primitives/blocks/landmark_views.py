@@ -70,9 +70,9 @@ class _Difference(NamedTuple):
 class LandmarkViews:
     """Identification of landmarks, which all look alike, in the pictures of one fixation.
 
-    A fixation measures the base's pose at a landmark. An explanation assigns each mark that was seen to a
-    landmark of the plan. A mark is remembered until a picture that should show it does not. `frames` is the
-    number of pictures taken.
+    A fixation measures the base's pose at a landmark. Several explanations are compared; each assigns every
+    mark that was seen to a landmark of the plan. A mark is remembered until a picture that should show it
+    does not. `frames` is the number of pictures taken.
     """
 
     def __init__(self, robot: Robot, view: PlannedView, sought: Sought, evidence: Evidence) -> None:

@@ -20,7 +20,8 @@ def turn_by(robot: Robot, angle: float) -> Generator[None, None, bool]:
     """Turn the base on the spot by an angle in [rad], positive to the left.
 
     Returns:
-        True if the base has turned by the full angle; False if it was held back or took too long.
+        True if the base has turned by the full angle; False if it did not move for `STILL_S`, or needed more
+        than `TIMEOUT_S`.
     """
     here = np.array([[robot.pose.x, robot.pose.y]])
     tracker = make_tracker(here, robot.pose.theta + angle, robot.drive_limits, tolerance=TURN_TOLERANCE)

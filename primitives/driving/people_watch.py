@@ -206,7 +206,9 @@ class PeopleWatch:
         return bool((away < NEAR_PERSON_M).any())
 
     def without_people(self, cells: FloatArray) -> FloatArray:
-        """Return the rows (n, k) whose first two columns, x and y on the map in [m], are not at a person."""
+        """Return the rows (n, k) whose first two columns, x and y on the map in [m], are at least
+        `NEAR_PERSON_M` from every person's body.
+        """
         if not len(cells) or not len(self.people.radii):
             return cells
         off = cells[:, None, :2] - self.people.positions[None]

@@ -48,8 +48,8 @@ def taken_by(
 
 
 def own_channel(name: str) -> str:
-    """Return a multicast address computed from a robot's name; two different names rarely give the same
-    address.
+    """Return a multicast address for a virtual CAN bus, computed from a robot's name; two different names
+    rarely give the same address.
     """
     number = zlib.crc32(name.encode()) % (254 * 254)
     return f"239.74.{1 + number // 254}.{1 + number % 254}"

@@ -65,7 +65,8 @@ class Axes(Mapping[str, Axis]):
         """Write the settings of all drives and read them back.
 
         Raises:
-            CanFault: a drive does not answer or is not as needed, or a setting is read back differently.
+            CanFault: a drive does not answer or is of an unsuitable kind, or a setting is read back
+                differently.
         """
         self._line = line
         for axis in self.values():

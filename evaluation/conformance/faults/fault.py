@@ -125,7 +125,7 @@ def variant(kind: FaultKind, number: int, sensors: Sequence[str] = ()) -> Fault:
 
 
 def faults_of(primitive: str) -> tuple[Fault, ...]:
-    """Return the faults that the application domain of a primitive declares.
+    """Return the faults for tests of a primitive that the primitive's application domain declares itself.
 
     Args:
         primitive: name of the primitive.

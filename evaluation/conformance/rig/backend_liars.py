@@ -71,7 +71,7 @@ class QueuesCommands(LayeredBackend):
         self._command = command
 
     def stop(self) -> None:
-        """Stop, but keep the last command of the base to send it some periods later."""
+        """Stop, but keep the base's last command, which `step` sends again a few periods later."""
         self.inner.stop()
         self._due = QUEUE_DELAY_PERIODS
 

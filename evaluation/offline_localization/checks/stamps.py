@@ -76,8 +76,8 @@ def check_offsets(delays: dict[str, float]) -> tuple[list[str], str]:
         delays: median time from stamp to recording for each topic, in [s].
 
     Returns:
-        Notes about a topic that comes late, and the reason why the stamps cannot be used together; both are
-        empty without a problem.
+        Notes about a topic whose messages arrive late, and the reason why the stamps cannot be used together;
+        both are empty without a problem.
     """
     if len(delays) < 2:
         return [], ""

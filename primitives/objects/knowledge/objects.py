@@ -155,7 +155,7 @@ class Objects(Section):
     def measuring(
         self, robot: Robot, model: MovedKnowledge, place: str, report: Callable[..., None]
     ) -> Generator[None, None, bool] | None:
-        """Return a generator that measures, by lidar, the surface in front of which a place is.
+        """Return a generator that measures, by lidar, the surface for which `place` is the base's place.
 
         The generator moves the place with the surface, and returns True if the surface was seen. The result
         is None if the place was not computed from a surface, or if the surface is fixed, was measured before

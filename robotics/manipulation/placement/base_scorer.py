@@ -50,7 +50,8 @@ class BaseScorer:
     default this is eq. 6 of Shin (2005) together with the exact condition for the joints' speed.
 
     Raises:
-        ValueError: a joint of the arm slides, or has no lever that is fast and strong enough.
+        ValueError: a joint of the arm slides, or has no lever (distance of the tool from its axis) at which
+            it is both fast and strong enough.
     """
 
     def __init__(self, arm: ArmModel, work: Work, measure: Measure = Measure.SURE) -> None:

@@ -253,7 +253,7 @@ class ScanLocalizer(Localizer):
 
     @property
     def lost(self) -> bool:
-        """True if recent scans fit the map at no pose nearby, or the first contradicts the start pose."""
+        """True if recent scans fit the map at no near pose, or the first scan contradicts the start pose."""
         return self.misplaced or self._poor >= self._patience
 
     def correct(self, points: FloatArray) -> bool:

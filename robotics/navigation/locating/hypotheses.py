@@ -59,8 +59,8 @@ class Hypotheses:
         """(n,) share of the beams of all scans that the map explains."""
 
     def take(self, beams: ScanBeams, pose: Pose2) -> None:
-        """Update the hypotheses about the robot's pose by a scan at rest, and search the map for new ones if
-        necessary.
+        """Update the hypotheses about the robot's pose by a scan at rest, and search the map for new ones
+        after the first two scans and whenever no hypothesis is likely.
 
         Args:
             beams: beams of the scan.
