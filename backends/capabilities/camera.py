@@ -76,7 +76,7 @@ def camera_of_kind(capabilities: Iterable[Capability], kind: type[CapabilityT]) 
 
 
 def usable_kinds(capabilities: Iterable[Capability]) -> list[type[Capability]]:
-    """Return the classes under which a robot's capabilities are available to primitives (its skills).
+    """Return the classes under which a robot's capabilities are available to primitives.
 
     A camera that is not on the hand appears as `AnyCamera`; other sensors on a link that is not the hand are
     skipped.

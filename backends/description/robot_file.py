@@ -128,9 +128,7 @@ class SuspensionSpec(FileModel):
 
 
 class Tolerance(FileModel):
-    """Largest differences between a measured state of robot and objects and an earlier one that count as
-    equal.
-    """
+    """Largest differences at which a measured state of robot and objects counts as equal to another."""
 
     base_mm: Positive
     base_deg: Positive

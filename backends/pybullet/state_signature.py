@@ -21,7 +21,7 @@ KEY_FILE = "checkpoint_key"
 
 
 def sign(content: bytes, bodies: str) -> bytes:
-    """Return a signature which proves that programs of this user saved a state of these bodies.
+    """Return a signature which proves that a program of this user saved the state of the described bodies.
 
     Args:
         content: bytes of the saved state.

@@ -80,7 +80,9 @@ def mount_of(robot: RobotFile, camera: CameraSpec, arm: ArmModel | None = None) 
 
 
 def hand_mount(arm: ArmModel, link: str = "camera") -> CameraMount:
-    """Return the mount of a camera that is fixed on the hand of an arm."""
+    """Return the mount of a camera that is fixed on the hand of an arm; `link` is the camera's link in the
+    arm's model.
+    """
     straight = np.zeros(arm.dof)
     return CameraMount(HAND_LINK, inverse(arm.forward(straight)) @ arm.forward(straight, link))
 

@@ -94,7 +94,9 @@ def is_inside(inner: TrueThing, outer: TrueThing) -> bool:
 
 
 def is_next_to(one: TrueThing, other: TrueThing) -> bool:
-    """Return whether two things are side by side, with a gap that is small relative to their sizes."""
+    """Return whether two things are side by side, with a gap of at most `NEAR_SHARE` times the mean of their
+    summed sizes along x, y and z.
+    """
     (low, high), (other_low, other_high) = one.extent, other.extent
     apart = np.maximum(0.0, np.maximum(low, other_low) - np.minimum(high, other_high))
     mean = float(np.mean((high - low) + (other_high - other_low)))

@@ -17,7 +17,9 @@ MOST_TILT_DEG = 5.0
 
 
 class ShelvedBooks(NamedTuple):
-    """Quality with which books were returned; each value is the worst of all returned books."""
+    """Errors of returned books in slot, protrusion and tilt, and by how far they pushed others back; each
+    value is the worst of all returned books, in the unit that ends its name.
+    """
 
     slot_correct: bool
     proud_mm: float

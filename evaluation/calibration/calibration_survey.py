@@ -72,7 +72,7 @@ class CalibrationSurvey(FiguresSurvey):
             self._figures |= self.spots()
 
     def spots(self) -> dict[str, float]:
-        """Return suspension parameters, measured by laser beams from the robot, by name, in the unit in the
-        name.
+        """Return suspension parameters, measured by laser beams from the robot, by name; each name ends with
+        the unit.
         """
         return {} if self._lasers is None else self._lasers.figures()

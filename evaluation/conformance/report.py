@@ -127,7 +127,8 @@ class KitReport:
     def ok(self) -> bool:
         """True if the kit found no violation, every check and task passed, and every mutant was found.
 
-        It is False as well if a job could not be run, or if too few Fails named a cause of their fault.
+        It is False as well if a job could not be run, or if too few Fails and GiveUps named a cause of the
+        injected fault (`causes_hold`).
         """
         looked_at = (*self.checks, *self.tasks)
         wrong = self.violations or self.missed or self.broken or not self.causes_hold

@@ -112,7 +112,7 @@ def import_model(path: Path | str) -> Imported:
     """Convert a JANI model in a file to a task.
 
     Raises:
-        FileError: the file does not contain a usable JANI model.
+        FileError: the file does not contain a JANI model, or it is one that a task cannot express.
     """
     text = decode_text(read_regular_file(path, MAX_JANI_BYTES), str(path), longest_line=None)
     try:

@@ -91,7 +91,7 @@ def attempts_of(row: Row) -> Any:
 
 
 def most_attempts(row: Row) -> int | None:
-    """Return the number of Fails after which an action is excluded, as its row of the task states it.
+    """Return the number of Fails after which an action is excluded, by its entry `row` in the task's file.
 
     None if it is never excluded, or if it shares its attempts with other actions.
     """

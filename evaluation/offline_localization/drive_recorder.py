@@ -65,7 +65,9 @@ class DriveRecorder(RunObserver):
         self._note(robot)
 
     def event(self, event: Event) -> None:
-        """Flush the log to disk, so that a killed run can be continued from the end of its last action."""
+        """Flush the log to disk at each event of the run, so that a killed run can be continued from the end
+        of its last action.
+        """
         if self._robot is not None:
             self._note(self._robot, whole=True)
 

@@ -56,7 +56,8 @@ def posture_facts(robot: RobotFile) -> list[PostureFacts]:
 
 
 def posture_findings(robot_name: str, robot: RobotFile) -> Iterator[Finding]:
-    """Yield findings about doubtful postures, at their lines in the robot's file.
+    """Yield findings, at lines of the robot's file, about postures in which the robot touches itself, or in
+    which the base drives although the arm is outside the footprint.
 
     Args:
         robot_name: name of a shipped robot, or path of its file.

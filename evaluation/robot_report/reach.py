@@ -49,7 +49,7 @@ class HandReach:
 
     @property
     def heights(self) -> tuple[float, float]:
-        """Smallest and largest height of the hand above the floor, in [m]."""
+        """Smallest and largest height above the floor that the hand reaches, in [m]."""
         return float(self.points[:, 2].min()), float(self.points[:, 2].max())
 
     def reached(self, places: Sequence[tuple[float, float, float]]) -> list[bool]:

@@ -27,7 +27,7 @@ REPLAY_KEYS = ("task_path", "settings", "start", "robot_sha256", "network", "bac
 
 
 class ChangedFiles(InputError):
-    """Error for a run that cannot be replayed because its task's or robot's files have changed since."""
+    """Error for a run that cannot be replayed because its task's or robot's files were changed after it."""
 
     def __init__(self, run: PastRun, what: str) -> None:
         allowed = "allowed: the files as they were; `handcart replay` without --sensors needs none"

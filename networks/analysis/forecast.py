@@ -66,8 +66,8 @@ def forecast(network: ActionNetwork, chances: Chances) -> Forecast:
 
     Args:
         network: the network.
-        chances: outcome probabilities of each action, in the order of the network; None for a skip, which
-            leaves an element of a `repeat` undone.
+        chances: outcome probabilities of each action, in the order of the network; None for a skip, an action
+            that leaves an element of a list undone over which the task repeats actions.
 
     Raises:
         TooLarge: a part of the network has too many states.

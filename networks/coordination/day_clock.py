@@ -53,7 +53,8 @@ class DayClock(ABC):
 
 
 class RehearsedDay(DayClock):
-    """Clock of a rehearsal, which shows a chosen time of day plus the robot's time.
+    """Clock of a rehearsal (a run on a simulated robot), which shows a chosen time of day plus the robot's
+    time.
 
     Instants are in [s] since midnight of the first day.
     """

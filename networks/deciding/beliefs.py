@@ -91,7 +91,7 @@ class Beliefs:
         """Return `DRAW_COUNT` random draws of the outcome probabilities of all actions of the network.
 
         They come from the beliefs' Dirichlet distributions; the same seed and beliefs give the same draws. An
-        action that only skips an element of a repeat has None.
+        action that only skips an element of a list over which the task repeats actions has None.
         """
         order = list(self._prior)
         draws = np.random.default_rng([31, seed])

@@ -16,7 +16,7 @@ MAX_SIDE_DOTS = 20_000.0
 
 
 def to_png(picture: NetworkPicture) -> bytes:
-    """Return the picture as PNG, at twice its size unless it is very large."""
+    """Return the picture as PNG, at twice its size, or less if a side would exceed `MAX_SIDE_DOTS` pixels."""
     dense = min(PNG_DOTS_PER_INCH, PX_PER_INCH * MAX_SIDE_DOTS / max(picture.width, picture.height))
     return _saved(picture, format="png", dpi=dense)
 

@@ -60,7 +60,9 @@ class DrawnBox(NamedTuple):
 
 
 class DrawnFrame(NamedTuple):
-    """Frame around a part of a drawn network that is copied for each element of a `repeat`."""
+    """Frame around a part of a drawn network that is copied for each element of a list (`repeat` in the
+    task's file).
+    """
 
     x: float
     y: float

@@ -114,9 +114,9 @@ class SituationInterrupt(InterruptEntry):
 
 
 class ConditionInterrupt(InterruptEntry):
-    """An interrupt of a task file that states conditions, from which the task's network is generated.
+    """An interrupt (goal that a run pursues before the task's goal) in a task file that states conditions.
 
-    The interrupt's goal is a list of facts.
+    The interrupt's goal is a list of facts. The task's network is generated from the conditions.
     """
 
     goal: Annotated[Conditions, Field(min_length=1)]

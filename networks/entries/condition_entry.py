@@ -113,7 +113,7 @@ class ConditionEntry(TaskEntry):
 
 
 def facts_in_words(facts: Mapping[str, object]) -> str:
-    """Return facts in words, on one line."""
+    """Return names and values of facts on one line, such as "light on, loaded false"."""
     return ", ".join(f"{name} {value_in_words(value)}" for name, value in facts.items())
 
 

@@ -113,8 +113,8 @@ class Aims:
     def begins_at(self) -> time | None:
         """Time of day at which a rehearsal (a run on a simulated robot) begins if no other one is given.
 
-        It is the first time of day at which a round begins, otherwise the first one of an interrupt; None if
-        neither rounds nor interrupts have times of day.
+        It is the first time of day at which a round (repetition of the task) begins, otherwise the first one
+        of an interrupt (goal with priority over the task's); None if neither has times of day.
         """
         of_rounds = self.rounds.at if self.rounds else ()
         of_interrupts = (item for interrupt in self.interrupts for item in interrupt.at)
@@ -122,7 +122,7 @@ class Aims:
 
 
 def times_words(times: tuple[time, ...]) -> str:
-    """Return times of day in words."""
+    """Return times of day as text, such as "08:00, 14:30"."""
     return ", ".join(_short(item) for item in times)
 
 

@@ -106,7 +106,7 @@ class Binding:
 
 @dataclass(frozen=True)
 class Situation:
-    """A named planning state of robot and world."""
+    """A named state of robot and world, in which actions of a task's network begin and end."""
 
     name: str
     facts: Mapping[str, Fact] = field(default_factory=dict)

@@ -16,7 +16,7 @@ from .run_records import At
 
 
 def measure(robot: Robot) -> Snapshot | None:
-    """Return a snapshot of the robot without observed objects; None if it cannot be read."""
+    """Return a snapshot of the robot without observed objects; None if reading the robot's state fails."""
     try:
         return take_snapshot(robot, {})
     except Exception:  # a sensor that is broken at the end of a run must not hide how the run ended

@@ -37,8 +37,8 @@ class NamedBinding(Binding):
 
 @dataclass(frozen=True)
 class JournaledNetwork:
-    """An action network as it was recorded in a run's journal, with what each action's primitive may read in
-    the world model.
+    """An action network as it was recorded in a run's journal, with the entries of the world model that each
+    action's primitive may read.
     """
 
     network: ActionNetwork

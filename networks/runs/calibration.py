@@ -65,7 +65,7 @@ class Calibration(FileModel):
 
 
 def rounded(found: Mapping[str, Calibrated]) -> dict[str, Value]:
-    """Return the values with as many digits as their standard deviations allow."""
+    """Return the calibrated values, rounded to the digits that their standard deviations allow."""
     result = {}
     for key, calibrated in found.items():
         values, sigmas = _tuple(calibrated.value), _tuple(calibrated.sigma)

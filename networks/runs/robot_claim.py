@@ -144,6 +144,7 @@ def claimed(backend: Backend, own: Path | None = None) -> AbstractContextManager
 
     Args:
         backend: the backend, which identifies the robot.
-        own: folder of the run to resume, which may itself wait for a person; None for a new run.
+        own: folder of the run to resume, which is the only run that may claim the robot although it waits for
+            a person; None for a new run.
     """
     return nullcontext() if backend.simulated else RobotClaim(backend, claims_folder(), own)

@@ -82,7 +82,9 @@ def round_faults(network: ActionNetwork) -> Iterator[Fault]:
 
 
 def battery_faults(aims: Aims) -> Iterator[Fault]:
-    """Yield a fault for each interrupt that depends on the battery's charge, which is not measured."""
+    """Yield a fault for each interrupt (goal that a run pursues before the task's goal) that depends on the
+    charge of the battery; for robots that do not measure the charge.
+    """
     for number, interrupt in enumerate(aims.interrupts):
         if interrupt.battery_below is not None:
             wrong = "the robot measures no charge of its battery"

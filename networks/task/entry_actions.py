@@ -24,7 +24,8 @@ def action_of(entry: TaskEntry, copied: Copied, binding: Binding, budgets: Mappi
 
     Args:
         entry: the entry.
-        copied: copy of the entry (by a `repeat`), with the situations that it connects.
+        copied: copy of the entry, with the situations that it connects; a `repeat` in the file makes one for
+            each element of a list.
         binding: primitive of the action, with its parameters.
         budgets: number of attempts that several actions share, by name.
     """
@@ -95,7 +96,7 @@ def limit_faults(entry: TaskEntry, budgets: Sequence[str], done: Collection[str]
     Args:
         entry: entry of the action in the file.
         budgets: names of the task's budgets.
-        done: names of all primitives in the file.
+        done: names of all primitives in the file, to check those that the entry's attempts name.
     """
     yield from _attempt_faults(entry, budgets, done)
     left = 1.0 - (entry.p_success or 0.0)

@@ -116,7 +116,7 @@ class _Named(NamedTuple):
 
 
 def place_findings(places: Loaded[Places], grid: GridMap, chart: Path) -> Iterator[Finding]:
-    """Yield a finding for each place that is not in the free space of a map.
+    """Yield a finding for each place whose point is outside a map, in an obstacle or in unknown space.
 
     Args:
         places: the places, with their file.

@@ -57,7 +57,7 @@ def found_in(each: str, element: Element | None) -> tuple[KeyPath, Any]:
 @dataclass(frozen=True, eq=False)
 class Repetition:
     """A part of the task's network, from the situation `start` to `goal`, that is copied for each element of
-    a list.
+    a list in the task's file.
     """
 
     path: KeyPath

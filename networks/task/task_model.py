@@ -68,7 +68,9 @@ class BeliefEntry(FileModel):
 
 
 class Each(FileModel):
-    """Reference, in a repeated part, to the element for which the part is copied, or to a value in it."""
+    """Reference, in a part of the task that is copied for each element of a list, to that element or to a
+    value in it.
+    """
 
     each: str
     """NAME, or NAME.KEY."""

@@ -208,8 +208,8 @@ class Servo(FixOnce):
 
 
 class OnRobot(FixOnce):
-    """Placing of a block on the robot's own table, which turns and tilts with the base, so that no correction
-    is needed.
+    """Placing of a block on the robot's own table, which turns and tilts with the base, so that the base's
+    motion needs no correction.
     """
 
     @override

@@ -115,10 +115,10 @@ class LandmarkViews:
 
     @property
     def explanations(self) -> list[MarkAssignment]:
-        """Most likely assignment of seen marks to landmarks, then similarly likely ones, best first.
+        """Most likely assignment of seen marks to landmarks, then others at most 5,000 times less likely,
+        best first.
 
-        A similarly likely assignment is included only if it leads to another base pose than the most likely
-        one.
+        The others are included only if they lead to another base pose than the most likely one.
         """
         return rivals(self._explained) if self._explained else []
 

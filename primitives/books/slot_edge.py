@@ -88,7 +88,8 @@ def moved(strips: Strips, sides: Sequence[float], within: float) -> float | None
 def side_near(strips: Strips, expected: float) -> float:
     """Return y of the visible edge nearest to an expected side of a book, in the shelf frame, in [m].
 
-    Without an edge near it, for example with a dark spine before a dark slot, `expected` is returned.
+    Without an edge within `SIDE_SHIFT_TOLERANCE_M` of it, for example with a dark spine before a dark slot,
+    `expected` is returned.
     """
     near = [y for y in all_sides(strips) if abs(y - expected) < SIDE_SHIFT_TOLERANCE_M]
     return min(near, key=lambda y: abs(y - expected), default=expected)

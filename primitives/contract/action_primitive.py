@@ -148,7 +148,9 @@ class ActionPrimitive(FileModel, ABC):
 
     @abstractmethod
     def motion(self, robot: Robot, model: ModelView) -> Periods:
-        """Control the robot during the primitive's motion, as a generator that yields once a period."""
+        """Control the robot during the primitive's motion, as a generator that yields once in each control
+        period.
+        """
 
     def watch(self, robot: Robot, model: ModelView) -> None:
         """Check a condition that must hold during the motion; called once a period, also while restoring.
@@ -227,7 +229,9 @@ class ActionPrimitive(FileModel, ABC):
             yield
 
     def point_of_no_return(self, what: str) -> None:
-        """Declare that effects of the motion from now on can't be undone; only Success or GiveUp is left."""
+        """Declare that effects of the motion from now on can't be undone, so that only Success or GiveUp can
+        follow; `what` names the step in the journal.
+        """
         self._no_return = what
         self._intents.passed(what)
 

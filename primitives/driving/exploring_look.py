@@ -93,7 +93,7 @@ class ExploringLook:
         self._postponed.append(point)
 
     def take(self, here: Pose2, current: FrontierGoal | None) -> FrontierLook:
-        """Draw the map so far, and return it with the next frontier.
+        """Draw the map so far, and return it with the frontier to which the base should drive next.
 
         Args:
             here: current pose of the base, map_T_base.

@@ -101,7 +101,8 @@ class FieldWork(Section):
         return (self.sensor_contact(place),) if place in self.targets else ()
 
     def sensor_contact(self, target: str) -> MeantContact:
-        """Return the intended contact of the hand with the sensor that belongs to a target.
+        """Return the intended contact of the hand with the sensor for a target (a point to place a sensor
+        at).
 
         Sensors are taken from the magazine in its order, so that a new target gets the magazine's next
         sensor.

@@ -261,7 +261,8 @@ class WorldModel:
 
     @classmethod
     def type_of(cls, path: str) -> Any:
-        """Return the type of the value at a path in the world model, such as `cup.size`; None is removed.
+        """Return the type of the value at a path in the world model, such as `cup.size`; of a type "T or
+        None", return T.
 
         Raises:
             UnknownFact: the path names no entry of the world model.

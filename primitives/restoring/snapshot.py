@@ -82,7 +82,7 @@ def take_snapshot(robot: Robot, seen: Seen) -> Snapshot:
 
     Args:
         robot: robot at rest.
-        seen: positions of the objects that it can touch, which are kept in the snapshot.
+        seen: positions of the objects that the robot can touch; they are kept in the snapshot.
     """
     arm, gripper = robot.backend.get(Arm), robot.backend.get(Gripper)  # type: ignore[type-abstract]
     width = gripper.width() if gripper else 0.0

@@ -13,7 +13,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Fields(NamedTuple):
-    """Argument type of a compiled function whose argument is a named tuple."""
+    """Type of an argument that is a named tuple, for functions that numba compiles."""
 
     kind: type
     """Class of the tuple."""

@@ -59,7 +59,7 @@ class Watcher:
         return await asyncio.get_running_loop().run_in_executor(self._pool, work, *words)
 
     async def tell_all(self) -> None:
-        """Notify all waiting clients of a change."""
+        """Notify all waiting clients that the state of a run has changed."""
         async with self._changed:
             self._version += 1
             self._changed.notify_all()

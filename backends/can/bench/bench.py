@@ -70,7 +70,7 @@ class Bench:
         return self._drives.line
 
     def open(self) -> BenchBus:
-        """Return the program's connection to the simulated bus."""
+        """Return the connection to the simulated bus for the program that commands the drives."""
         self.master = BenchBus(self._drives.open())
         return self.master
 

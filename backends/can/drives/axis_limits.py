@@ -64,7 +64,8 @@ def wheel_limits(robot: RobotFile, spec: WheelDriveSpec) -> AxisLimits:
 
 
 def joint_limits(robot: RobotFile, spec: JointDriveSpec, model: ArmModel, joint: int) -> AxisLimits:
-    """Return the limits of one joint of the arm, in [rad], or [m] for a sliding one.
+    """Return the limits of position, speed, acceleration and torque of one joint of the arm, in [rad], or [m]
+    for a sliding one, and [s].
 
     Args:
         robot: robot file.

@@ -64,8 +64,8 @@ DEVICE_LACKS: Mapping[Without, Lack] = {
 
 
 def left_out(axis: AxisSpec) -> frozenset[int]:
-    """Return the indices of the objects that an axis' drive lacks by the key `without` of the robot's
-    file.
+    """Return the indices of the CANopen objects that an axis' drive lacks, by the key `without` of the
+    robot's file.
     """
     return frozenset(index for item in axis.without for index in DEVICE_LACKS[item].objects)
 
@@ -79,10 +79,9 @@ def lack_of(index: int) -> Without | None:
 
 
 def accepting(index: int) -> str:
-    """Return the end of a message on an object that a drive's EDS lacks: how the robot's file can accept
-    this.
+    """Return text, for the end of a message, on how the robot's file can state that a drive lacks an object.
 
-    The result is "" if no drive may lack the object.
+    The text is empty if no drive may lack the object.
     """
     word = lack_of(index)
     return (

@@ -82,8 +82,8 @@ class PhysicsGripper(SimulatedGripper):
         self._joints.stand(np.array([goal, goal]), self._most, FINGER_STEP_RATIO, np.array([rate, rate]))
 
     def end(self) -> None:
-        """End a period: move the set-point of the opening on, and record whether the fingers press on
-        something.
+        """End a control period: advance the opening's set-point towards the command, and record whether the
+        fingers press on something.
         """
         self._target += max(-self._step, min(self._step, self._command - self._target))
         width = self.true_width()

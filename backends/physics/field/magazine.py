@@ -59,8 +59,8 @@ class Magazine(PropsBody):
             engine.set_pose(world.bodies[sensor.name], pose)
 
     def end(self) -> None:
-        """Put the next sensor back at its place in the magazine, if the engine simulates a period in one
-        piece.
+        """Put the sensor that is to be laid next back at its place in the magazine, if the engine simulates a
+        period in one piece.
 
         In such a period the sensor falls a little, because nothing holds it between the steps of the engine.
         """

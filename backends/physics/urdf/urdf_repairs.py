@@ -28,8 +28,8 @@ def repaired(urdf: str) -> tuple[str, list[Repair]]:
     """Return the URDF with physically possible masses and inertia, and the corrections that affect a
     simulation.
 
-    A link without mass gets a very small mass. This correction is not listed for a link without collision
-    shapes that is fixed to its parent, because it has no effect.
+    A link without mass gets `MIN_MASS_KG`. This correction is not listed for a link without collision shapes
+    that is fixed to its parent, because it has no effect.
     """
     robot = ElementTree.fromstring(urdf)
     links = {match.get("name", ""): match for match in robot.findall("link")}

@@ -72,7 +72,7 @@ class Crowd:
 
     def without(self, points: FloatArray, pose: Pose2) -> FloatArray:
         """Return the points (m, 2) of a scan that are not on people, in the base frame, in [m]; all points if
-        few would be left.
+        at most the share `MIN_KEPT_SHARE` of them would be left.
 
         Args:
             points: (n, 2) in the base frame, in [m].

@@ -110,7 +110,7 @@ class Localization(ABC):
 
     @property
     def displacement(self) -> Belief | None:
-        """Motion of the base since `set_origin`; None if it is known only as a difference of poses.
+        """Motion of the base since the call of `set_origin`; None if the localization does not measure it.
 
         Mean (3,) and covariance (3, 3): ahead and to the left in [m], turn to the left in [rad].
         """

@@ -25,7 +25,7 @@ class Lost(NamedTuple):
 
 
 def lost_by_stale_lidar(seconds: float) -> Lost | None:
-    """Return a reason for an unknown pose if the lidar has repeated its last scan for over 10 s; or None.
+    """Return the reason for an unknown pose if the lidar repeats its last scan for over 10 s, otherwise None.
 
     Args:
         seconds: time since the lidar's last new scan while the base moved, in [s].

@@ -27,7 +27,7 @@ def completed(state: object) -> object:
 
 
 def local_map_of(echoes: list[float], pose: Pose2) -> LocalMap:
-    """Rebuild the local map (see `Localization.local_map`) that was saved in a checkpoint.
+    """Rebuild a local map, drawn from scans of a base whose pose on the map is unknown, from a checkpoint.
 
     Args:
         echoes: x and y of each echo on the local map, alternating, in [m].

@@ -74,7 +74,7 @@ class BenchFaults:
         return bool(self._planned)
 
     def add(self, fault: TopicFault) -> None:
-        """Plan one more fault."""
+        """Add a fault to the planned faults of the simulated robot's topics and actions."""
         self._planned = (*self._planned, fault)
 
     def check(self, topics: Sequence[str], actions: Sequence[str]) -> None:

@@ -159,7 +159,9 @@ class RosBench:
 
     @property
     def speeds(self) -> DriveCommand:
-        """Speeds at which the simulated base is driving now; zero if the last command is too old."""
+        """Speeds at which the simulated base is driving now; zero if the last command is older than the
+        base's time-out.
+        """
         late = self.time - self._commanded > self._true.timeout(COMMAND_TIMEOUT_S)
         return DriveCommand() if late else self._command
 

@@ -42,7 +42,7 @@ class SentGoal(Protocol):
 
 
 class GoalSender(Protocol):
-    """Interface of a client of an action, which sends goals."""
+    """Interface of a client that sends goals to a ROS action."""
 
     def is_ready(self) -> bool:
         """Return True if a server of the action is connected."""

@@ -60,7 +60,7 @@ class Link(Protocol):
         """Return the nodes that subscribe to a topic, as texts with the node's name and the message type."""
 
     def mismatches(self, topic: str, is_command: bool) -> list[str]:
-        """Return a text for each node of a topic whose quality of service does not match that of this node.
+        """Return a text for each node whose quality of service on a topic does not match that of this node.
 
         Nodes with different qualities of service may exchange no messages. `is_command` is True if this node
         publishes the topic, False if it subscribes.

@@ -185,7 +185,7 @@ class ArmContact:
         return plan.clearance(base.x, base.y, self._scene.time)[0] > self._extent(joints)
 
     def travel(self, start: FloatArray, end: FloatArray) -> float:
-        """Return the largest distance between the positions of a link's frame in two postures, in [m].
+        """Return the distance between two postures, in [m]: that of the link whose frame moves farthest.
 
         This is about the largest distance that any point of the arm travels between the postures.
 

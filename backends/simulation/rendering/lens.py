@@ -54,7 +54,7 @@ class Lens:
         """Return the picture (h, w), grey, that the lens makes of an ideal one.
 
         Args:
-            ideal: (H, W) grey picture of a pinhole camera, as wide and high as `size` says.
+            ideal: (H, W) grey picture of a pinhole camera, as wide and high as the lens's `size`.
             period: number of the period, which decides the noise.
         """
         picture = cv2.remap(ideal, self._maps[0], self._maps[1], cv2.INTER_LINEAR)

@@ -63,7 +63,9 @@ class Props(SceneProps, Generic[FileModelT]):
 
     @classmethod
     def findings(cls, loaded: Loaded[FileModelT], robot: RobotFile) -> Iterator[Finding]:
-        """Yield findings for the domain's keys in a world's file whose values do not fit the given robot."""
+        """Yield a finding for each key of this domain (a kind of task) in a world's file whose value does not
+        fit the given robot.
+        """
         yield from ()
 
     def set_up(self) -> None:

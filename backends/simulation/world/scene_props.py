@@ -96,7 +96,8 @@ class SceneProps(ABC):
     # Props in a physics engine
 
     def awake(self, hand: FloatArray) -> Iterable[Thing]:
-        """Return the things that the physics engine may have moved in this period.
+        """Return the things whose poses are read from the physics engine after a period, as it may have moved
+        them.
 
         Args:
             hand: (3,) position of the hand in the world, in [m].

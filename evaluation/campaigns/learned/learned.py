@@ -94,7 +94,9 @@ class Learned:
         return [name for number, name in enumerate(action_names(self.task)) if odds.unknown(number)]
 
     def words(self) -> Iterator[str]:
-        """Yield lines of text about the prediction, its cross-validation, and actions without data."""
+        """Yield lines of text about the predicted success and mean time, their cross-validation, and actions
+        that no trial has started.
+        """
         low, high = self.prediction.success_95
         short, long = self.prediction.time_95_s
         count = len(self.seen.success)
@@ -109,8 +111,8 @@ class Learned:
             yield f"  never started in them, so a walk that comes to it ends: {name}"
 
     def facts(self) -> dict[str, object]:
-        """Return the prediction as JSON values: intervals, cross-validation, and actions that no trial has
-        started.
+        """Return the prediction of a task's success and mean time as JSON values: 95 % intervals,
+        cross-validation, and actions that no trial has started.
         """
         return {
             "trials": len(self.seen.success),

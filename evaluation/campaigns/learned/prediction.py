@@ -44,7 +44,7 @@ class Prediction(NamedTuple):
 
     @property
     def time_95_s(self) -> tuple[float, float]:
-        """95 % interval of the mean time of a trial, in [s]."""
+        """95 % bootstrap confidence interval of the mean time of a trial, in [s]."""
         low, high = np.quantile(self.resampled[:, 1], [0.025, 0.975]).tolist()
         return low, high
 

@@ -63,7 +63,7 @@ class CampaignReport:
 
     @property
     def outcomes(self) -> Counter[str]:
-        """Counts of outcomes with their reasons; `#` replaces numbers in a reason, Success has none."""
+        """Counts of outcomes with reasons; `#` replaces numbers in a reason; a Success has no reason."""
         return self.tally.outcomes
 
     @property
@@ -91,8 +91,8 @@ class CampaignReport:
         return None if at is None else self.trials[at]
 
     def spreads(self) -> dict[str, Spread]:
-        """Return the distribution of each metric, with the 95 % interval of its median, or of the share of
-        True for a metric that is True or False.
+        """Return count, quantiles and mean of each metric over the trials, with a 95 % confidence interval of
+        the median, or, for a metric that is True or False, of the share of True.
         """
         return {name: self._spread(name) for name in self.tally.columns}
 

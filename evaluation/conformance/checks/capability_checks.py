@@ -57,7 +57,9 @@ def declared(bench: KitBench, finding: CheckResult) -> None:
 
 
 def readings(bench: KitBench, finding: CheckResult) -> None:
-    """Check that all readings of the robot at rest have the right shapes, and plausible values."""
+    """Check that all readings of the robot at rest have the right shapes, and values near those of a robot at
+    rest in its posture `home`, within the limits and reaches in its file.
+    """
     spec = bench.spec()
     with bench.rig() as rig:
         backend = rig.backend

@@ -146,7 +146,9 @@ class FaultyBackend(LayeredBackend):
             self._joints = None
 
     def arm_command(self, arm: Arm) -> FloatArray:
-        """Return the joints (n,) last commanded, in [rad] or [m], even if the fault held back the command."""
+        """Return the joints (n,) last commanded, in [rad] or [m], even if the injected fault held back that
+        command.
+        """
         return arm.command() if self._joints is None else self._joints.copy()
 
     def gripper_move(self, gripper: Gripper, width: float) -> None:

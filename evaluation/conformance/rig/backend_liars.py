@@ -91,7 +91,7 @@ class TakesAnything(LayeredBackend):
         super().__init__(inner)
 
     def base_drive(self, base: Base, *command: float) -> None:
-        """Accept every command, also beyond the limits."""
+        """Pass on the commanded speeds, and hide the error if they are rejected (the mutant's fault)."""
         _try(lambda: base.drive(*command))
 
     def arm_move(self, arm: Arm, joints: FloatArray) -> None:
@@ -262,7 +262,7 @@ class DelaysScans(LayeredBackend):
         self._length = 1 + round(SCAN_DELAY_S / inner.period)
 
     def step(self) -> None:
-        """Step, and append the scan of this period to the queue of delayed scans."""
+        """Step the wrapped backend, and append the scan of this period to the queue of delayed scans."""
         self.inner.step()
         sensor = part_of(self.inner, RangeSensor)
         if sensor is not None:

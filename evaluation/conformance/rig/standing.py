@@ -29,7 +29,9 @@ class TrueState:
 
     @classmethod
     def of(cls, backend: Backend) -> TrueState:
-        """Return the current state of a backend."""
+        """Return the current readings of wheels, joints and fingers of a backend, with its ground truth if
+        known.
+        """
         base, arm, gripper = part_of(backend, Base), part_of(backend, Arm), part_of(backend, Gripper)
         readings: dict[str, FloatArray] = {}
         if base is not None:

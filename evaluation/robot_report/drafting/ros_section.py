@@ -51,7 +51,8 @@ def chosen(key: str, topics: Sequence[str]) -> tuple[str, tuple[str, ...]]:
 
 
 def ros_section(air: AirDescription, outline: Outline) -> list[str]:
-    """Return the lines of the section `ros2` of a robot's file, with the topics that fit best.
+    """Return the lines of the section `ros2` of a robot's file, with the topics whose message types and names
+    fit its keys best.
 
     Other candidate topics are listed in comments.
     """

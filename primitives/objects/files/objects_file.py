@@ -40,7 +40,7 @@ class ObjectsFile(FileModel):
         return {name: KnownSolid(name, kind.size, kind.is_round) for name, kind in self.kinds.items()}
 
     def kind_of(self, name: str) -> ObjectKind:
-        """Return the kind of an object; both are in the file."""
+        """Return the kind of the object `name`; the file has an entry for the object and for its kind."""
         return self.kinds[self.objects[name].kind]
 
     def tags_of(self, name: str) -> tuple[PrintedTag, ...]:

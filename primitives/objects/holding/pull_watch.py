@@ -95,8 +95,8 @@ class PullWatch:
 
     @property
     def is_strong(self) -> bool:
-        """True if one of the last measured forces, in any direction, is large enough to be a person's pull on
-        the held object.
+        """True if one of the last measured forces, in any direction, is at least the smallest force that
+        counts as a person's pull on the held object.
         """
         return any(float(np.linalg.norm(force)) >= self._least for force in self._forces)
 

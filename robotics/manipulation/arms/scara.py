@@ -109,7 +109,7 @@ class Scara(NamedTuple):
 
         Args:
             q: (2,) in [rad].
-            working: True for the narrower limits at a position where the arm works, `theta1_working`.
+            working: True for positions where the arm works: theta1 has to keep the narrower `theta1_working`.
         """
         low, high = self.theta1_working if working else self.theta1
         inside = low - 1e-9 <= q[0] <= high + 1e-9

@@ -138,7 +138,7 @@ class BaseScorer:
             path: path of the tool in the world.
 
         Raises:
-            Untrackable: the first point that the arm does not reach.
+            Untrackable: the arm does not reach all points; the error has the index of the first such point.
         """
         world_T_base = Pose2(*base.tolist()).lift()
         if self.pitch_arm is not None:
@@ -191,15 +191,15 @@ class BaseScorer:
         return float(self._screw_arm.chain.reach + np.hypot(*self._screw_arm.chain.points[0, :2]))
 
     def followed(self, base: FloatArray, path: ToolPath) -> FloatArray:
-        """Return joint angles (p, n), in [rad], along a path; check that the arm also reaches the path if the
-        base is slightly beside its pose.
+        """Return joint angles (p, n), in [rad], at the p points of a path; check that the arm also reaches
+        the path from base poses a few millimetres beside `base`.
 
         Args:
             base: (3,) world_T_base: x, y in [m], heading in [rad].
             path: path of the tool in the world.
 
         Raises:
-            Untrackable: the arm can't follow the path from this base, or from slightly beside it.
+            Untrackable: the arm can't follow the path from `base`, or from one of the poses beside it.
         """
         angles = self.joints(base, path)
         self._check_around(base, path)

@@ -108,15 +108,17 @@ def best_division_by_cost(scores: PlacementScores, lengths: FloatArray, cost: fl
 def score_arrays(
     scores: PlacementScores, lengths: FloatArray
 ) -> tuple[SingleArray, BoolArray, BoolArray, FloatArray]:
-    """Return scores of base poses as contiguous arrays, for compiled functions.
+    """Return the scores of base poses, their masks and the path's steps as contiguous arrays, for compiled
+    functions.
 
     Args:
         scores: scores of b placements of the base at p points of the tool's path.
         lengths: (p,) arc length of the points, in [m].
 
     Returns:
-        Scores (p, b); a mask (p, b), True where they are usable; a mask (p-1, b), True for steps in which the
-            arm does not jump, or an empty array if it never jumps; and lengths (p-1,) of the steps, in [m].
+        Scores (p, b); a mask (p, b), True where the arm reaches the point within the limits of the score; a
+            mask (p-1, b), True for steps that need no jump of the arm's joints, or an empty array if none
+            does; and lengths (p-1,) of the steps, in [m].
     """
     joined = np.zeros((0, 0), dtype=np.bool_) if scores.joined is None else scores.joined.T
     return (

@@ -101,7 +101,9 @@ class BeaconFilter(FieldLocalizer):
 
     @property
     def biases(self) -> Belief:
-        """Range biases (k,) of the beacons, measured less true range, in [m]; covariance (k, k) in [m²]."""
+        """Estimated range biases (k,) of the beacons (measured minus true range), in [m], with covariance (k,
+        k) in [m²].
+        """
         own = slice(states.STATE_SIZE, -1)
         return Belief(self._mean[own].copy(), self._spread[own, own].copy())
 

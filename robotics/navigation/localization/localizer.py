@@ -257,7 +257,7 @@ class ScanLocalizer(Localizer):
         return self.misplaced or self._poor >= self._patience
 
     def correct(self, points: FloatArray) -> bool:
-        """Correct the pose by a scan, unless too little of it fits the map; return whether it was corrected.
+        """Correct the pose by a scan, unless too few points fit the map; return whether it was corrected.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].

@@ -55,11 +55,12 @@ class ScanJump:
     def take(self, beams: ScanBeams, at_rest: bool, pose: Pose2, slides: bool = False) -> bool:
         """Compare a scan with an earlier one; return whether the latest scans show that the base was lifted.
 
-        If they show this, all scans kept for comparison are discarded.
+        They show this if `CONFIRMED_CHANGES` scans in a row differ from the earlier one. The scans kept for
+        comparison are then discarded.
 
         Args:
             beams: beams of the scan.
-            at_rest: True if the base is at rest: scans are then taken more rarely.
+            at_rest: True if the base is at rest: `CONFIRMED_CHANGES_AT_REST` scans then suffice.
             pose: estimated map_T_base.
             slides: True if the base may slide: the scan is then also compared by the estimated motion.
         """

@@ -192,10 +192,11 @@ class Baseline:
         self._before, self._surface = None, None
 
     def compares(self, beams: ScanBeams) -> bool:
-        """Return whether the wheels have moved far enough since the kept scan to compare a new scan with it.
+        """Return whether the wheels have moved by `MIN_MOTION_M` or `MIN_MOTION_RAD` since the kept scan, so
+        that a new scan can be compared with it.
 
-        If there is no kept scan, if it is too old, or if it has other beams, the new scan replaces it, and
-        the result is False.
+        If there is no kept scan, if the wheels have moved more than `MAX_REFERENCE_M` or `MAX_REFERENCE_RAD`
+        since, or if it has other beams, the new scan replaces it, and the result is False.
         """
         before = self._before
         old = self._has_moved(MAX_REFERENCE_M, MAX_REFERENCE_RAD)
@@ -206,7 +207,9 @@ class Baseline:
 
     @property
     def is_complete(self) -> bool:
-        """True if the wheels have moved so far since the reference scan that the next scan may replace it."""
+        """True if the wheels have moved by the given `way` or `turn` since the reference scan, so that the
+        next scan may replace it.
+        """
         return self._has_moved(*self._complete)
 
     def _has_moved(self, way: float, turn: float) -> bool:

@@ -31,7 +31,7 @@ DAMPING_INFORMATION = np.diag([1.0, 1.0, 1.0])
 
 
 class LineMatch(NamedTuple):
-    """Result of matching lidar points with a reference, with the pose of the points in it, information and
+    """Result of matching lidar points with a reference, with their pose in it, information matrix and
     quality.
     """
 

@@ -68,7 +68,9 @@ class KeyframeView(NamedTuple):
 
 
 class Loop(NamedTuple):
-    """Candidate of a loop closure between two keyframes, and the result of its test."""
+    """Candidate of a loop closure between two keyframes, with the match of their scans and the reason if it
+    is rejected.
+    """
 
     first: int
     """Number of the earlier keyframe."""

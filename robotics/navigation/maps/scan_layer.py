@@ -41,7 +41,7 @@ class ScanLayer:
 
     @property
     def occupied(self) -> BoolArray:
-        """Mask (h, w) of the cells that scans have shown as occupied often enough to count as obstacles."""
+        """Mask (h, w) of the cells that count as obstacles, with a score of at least `OCCUPIED_SCORE`."""
         return np.asarray(self._scores >= OCCUPIED_SCORE)
 
     @property

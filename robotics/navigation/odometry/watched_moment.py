@@ -92,8 +92,8 @@ class WatchedMoment(NamedTuple):
         return type(self)(Belief(mean, spread), shared)
 
     def corrected_either(self, branches: Sequence[BeliefBranch], rows: FloatArray, variance: float) -> Self:
-        """Return this moment's estimate, improved by later readings before which the states may have changed
-        in one of several ways.
+        """Return the estimate of the earlier states, improved by later readings before which the states may
+        have changed in one of several ways.
 
         Args:
             branches: possible changes before the update, each with its weight, transition, residual and
@@ -117,8 +117,8 @@ class WatchedMoment(NamedTuple):
         return type(self)(then, np.asarray(shared))
 
     def unrelated(self) -> Self:
-        """Return a copy of this moment's estimate without correlation to the present states, so that later
-        readings no longer change it.
+        """Return a copy of this estimate of past states without correlation to the present states, so that
+        later readings no longer change it.
         """
         return self._replace(shared=np.zeros_like(self.shared))
 

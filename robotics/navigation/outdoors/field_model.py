@@ -71,7 +71,7 @@ class FieldModel(NamedTuple):
         SI units.
 
         Args:
-            mean: (13,) states before the step.
+            mean: (13,) states before the step, in the order that `FieldModel` lists.
             advance: motion in the step.
             new_leg: True if the base changed its direction of driving.
         """

@@ -98,7 +98,8 @@ class HeadingBank:
 
     @property
     def belief(self) -> Belief:
-        """Mean (13,) and covariance (13, 13) of the mixture of all filters, in SI units.
+        """Mean (13,) and covariance (13, 13) of the states of `FieldModel`, mixed from all filters, in SI
+        units.
 
         The mean heading is not wrapped; it is within pi of the most likely filter's heading.
         """

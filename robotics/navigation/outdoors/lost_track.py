@@ -55,7 +55,7 @@ class LostTrack:
         del self._tracks[:-MAX_REVIEWED_FIXES]
 
     def doubt(self, count: int) -> None:
-        """Mark the last `count` of the fixes that the filter used as rejected."""
+        """Mark as rejected the last `count` fixes that the filter used."""
         for k in range(len(self._tracks) - 1, -1, -1):
             if count > 0 and self._tracks[k][5]:
                 self._tracks[k] = (*self._tracks[k][:5], 0.0)

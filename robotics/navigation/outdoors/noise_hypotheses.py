@@ -21,7 +21,9 @@ GROUND_SHARES = (
 
 
 class NoiseHypothesis(NamedTuple):
-    """Hypothesis on the noise of fixes and wheels, with a noise model that may differ from the given one."""
+    """Hypothesis on the noise of satellite fixes and wheels, with a noise model that may be worse than the
+    one that the robot's file gives.
+    """
 
     noise: FieldNoise
     share: float

@@ -68,7 +68,7 @@ class Way(NamedTuple):
 
     @property
     def fits(self) -> bool:
-        """True if the robot fits at the goal."""
+        """True if the distance from the goal to obstacles is enough for the robot (at least `needed`)."""
         return self.why != "too near"
 
     @property
@@ -159,7 +159,8 @@ class Ways:
         return finish(self.routing_to(goal))
 
     def routing_to(self, goal: Pose2 | tuple[float, float]) -> Generator[None, None, Route | None]:
-        """Return a route to a goal or None, like `route_to`, but as a generator that computes in steps.
+        """Return the route to a goal, None if no route exists; a generator that yields after each computing
+        step.
 
         A step takes about as long as building a Voronoi graph.
         """

@@ -106,8 +106,7 @@ class LikelihoodField:
         return FieldValues(readings[:, 0] * self.map.resolution, readings[:, 1:3])
 
     def fixed(self, points: FloatArray, pose: Pose2) -> FloatArray:
-        """Return the points (m, 2) of a scan that are not near things that may have moved since the map was
-        made.
+        """Return the points (m, 2) of a scan that are not near things that the map marks as movable.
 
         Args:
             points: (n, 2) in the base frame, in [m].

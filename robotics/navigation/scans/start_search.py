@@ -76,7 +76,9 @@ class StartFit(NamedTuple):
 
     @property
     def contradicts(self) -> bool:
-        """True if the scan fits the map clearly better at another place than at the stated start."""
+        """True if the map explains clearly more beams from another place than from the stated start
+        (`other`).
+        """
         return self.other is not None
 
 

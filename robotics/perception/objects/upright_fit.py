@@ -31,7 +31,7 @@ class TagView(NamedTuple):
 
 
 class UprightFit(NamedTuple):
-    """Pose of an upright box, with its accuracy."""
+    """Pose of an upright box, fitted to the corners of its tags in pictures, with its accuracy."""
 
     base_T_box: Transform
     """Pose (4, 4) of the box."""
