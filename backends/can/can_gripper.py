@@ -17,8 +17,9 @@ _AWAY = 1e-3  # [m]
 class CanGripper(CommandedGripper):
     """Gripper with one CiA 402 drive, which moves the fingers to a width with limited torque.
 
-    Fingers that an object stops keep pressing on it. Pressing is detected if the resting drive has enough
-    torque (6077h), or, for a drive that reports no torque, if the fingers rest wider open than commanded.
+    Fingers that an object stops keep pressing on it. Pressing is detected if the resting drive has half of
+    its largest torque (6077h), or, for a drive that reports no torque, if the fingers rest wider open than
+    commanded.
     """
 
     def __init__(self, spec: GripperSpec, axis: Axis) -> None:

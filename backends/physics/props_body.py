@@ -38,7 +38,9 @@ class PropsBody:
         self.props, self.pieces = props, pieces
 
     def step(self) -> None:
-        """Act on the objects of one domain at the beginning of a period, after the scene has moved them."""
+        """Act on the objects of one domain (kind of task) at the beginning of a period, after the scene has
+        moved them.
+        """
 
     def act(self) -> None:
         """Update the simulation of this domain's objects before each chunk of a period; a chunk is the time

@@ -65,7 +65,7 @@ class GoalStream:
         """Fault of a goal in words; "" without a fault."""
 
     def send(self, goal: Any) -> None:
-        """Send a goal; it replaces the goal that was sent before."""
+        """Send a goal to the robot's controller; it replaces the goal that was sent before."""
         for watched in self._watched:
             watched.was_replaced = True
         self._watched.append(_Watched(self.sender.send(goal), self._clock()))

@@ -20,7 +20,9 @@ class NotRecordable(TypeError):
 
 
 def plain(value: Any) -> Any:
-    """Convert a reading or argument to numbers, texts, arrays and lists, which `saved_state.pack` accepts."""
+    """Convert a reading, or an argument of a command, to numbers, texts, arrays and lists, which
+    `saved_state.pack` accepts.
+    """
     if isinstance(value, Enum):
         return value.value
     if value is None or isinstance(value, np.ndarray | bool | int | float | str):

@@ -162,7 +162,7 @@ class FixAgainModel(ByModel):
 
 
 class FixAgainImu(FixAgainModel):
-    """Correction of the base's turn and tilt by a second view of the landmark and the inertial sensors.
+    """Correction of the base's turn and tilt by two views of a landmark and by the inertial sensors.
 
     The poses of the base from both views are fused. After the second view, the gyros measure the base's turn;
     the accelerometers measure the tilt that the suspension's model does not predict.

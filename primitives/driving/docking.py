@@ -78,7 +78,7 @@ def dock(robot: Robot, name: str, place: Place, need: PoseNeed, report: Callable
 
 
 def check_front(front: FrontLine, name: str, need: PoseNeed) -> None:
-    """Raise `Discrepancy` if the measured front of an object does not determine the base's pose well enough.
+    """Raise `Discrepancy` if 3 sigma of the measured front of an object exceed the required pose accuracy.
 
     Args:
         front: measured front.

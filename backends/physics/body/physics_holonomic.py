@@ -82,6 +82,6 @@ class PhysicsHolonomicBase(CommandedHolonomicBase):
         """Do nothing, because the simulated encoders follow the commands exactly."""
 
     def rezero(self) -> None:
-        """Set the travel that the wheels' encoders report back to 0."""
+        """Reset to 0 the travel that the wheels' encoders report."""
         self._travel = WheelTravel(0.0, 0.0)
         self.drives.rezero()

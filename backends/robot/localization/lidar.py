@@ -88,7 +88,7 @@ class Lidar(RangeSensor):
     @property
     def silence(self) -> str:
         """Message if this period's scan is useless for localization, because the lidar is blocked or gets
-        nearly no echoes; empty otherwise.
+        fewer than `MIN_ECHOES` echoes; empty otherwise.
         """
         scan = self.scan()
         if self._silence is None or self._silence[0] is not scan:

@@ -20,8 +20,8 @@ class TopicSensor(LiveSensor):
     """Base class of sensors whose readings are messages of a ROS topic, processed once a period.
 
     A message is dropped if its coordinate frame is not the expected one, if it contains numbers that are not
-    finite, or if its stamp is old, in the future, or not after the last stamp. If no valid message follows,
-    the `StaleSensor` error contains the reason.
+    finite, or if its stamp is off the present time by more than the source's `stale_ms`, or not after the
+    last stamp. If no valid message follows, the `StaleSensor` error contains the reason.
     """
 
     KIND: str

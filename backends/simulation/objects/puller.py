@@ -40,7 +40,8 @@ class OfferingHand(NamedTuple):
 
 
 class Puller:
-    """Simulated person who pulls at the object in the robot's hand, by a world's file or a fault.
+    """Simulated person who pulls at the object in the robot's hand, as a world's file or an injected fault
+    states.
 
     Pulls with `waits_s` begin one after the other, each once the hand has held an object out at rest for
     `waits_s` seconds.

@@ -77,5 +77,7 @@ class FieldImu(SimulatedImu):
 
 
 def imu_for(site: SensorSite[ImuSpec]) -> SimulatedImu:
-    """Return the IMU of a simulation without physics: `FieldImu` on open ground, otherwise `SimulatedImu`."""
+    """Return the IMU of a simulation without physics: `FieldImu` on rough open ground, otherwise
+    `SimulatedImu`.
+    """
     return (FieldImu if site.scene.open_ground else SimulatedImu).build(site)

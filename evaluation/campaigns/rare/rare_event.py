@@ -37,7 +37,8 @@ class RareEvent:
     def of(cls, outcome: str, importance: str | None = None, runs: int | None = None) -> RareEvent:
         """Return the rare outcome whose probability is estimated, and the settings, from command-line values.
 
-        A value of None selects the default.
+        `importance` is the measure of nearness to the outcome; `runs` is the number of runs at each level. A
+        value of None selects the default.
 
         Raises:
             NoRareEvent: a value is invalid.

@@ -71,8 +71,8 @@ def white_error(log: DriveLog, period: float) -> float | None:
         period: time between fixes, in [s].
 
     Returns:
-        Standard deviation of a fix per axis, in [m]; None if there are too few fixes or the base hardly
-            moves.
+        Standard deviation of a fix per axis, in [m]; None if fewer than `MIN_WINDOWS` windows have
+            `MIN_FIXES` fixes and motion of the base.
     """
     found = _left(*odometry_track(log), max(WINDOW_S, MIN_FIXES * period))
     return None if found is None else max(LEAST_M, found)

@@ -129,8 +129,8 @@ def followed_place(
 ) -> Place:
     """Return the place of the base for a surface that was measured elsewhere than its file says.
 
-    It is the place `stand` moved with the surface, or a place a little further from the surface. If the base
-    has no room there, `stand` is returned.
+    It is the place `stand` moved with the surface, or one of the distances `MOVED_BACK_M` further from the
+    surface. If the base has no room there, `stand` is returned.
 
     Args:
         robot: robot with an arm.

@@ -148,7 +148,7 @@ class PathTracker:
         return np.vstack([here, self._points[self._along > self._progress]])
 
     def finished(self, pose: Pose2) -> bool:
-        """Return True if the robot is at rest at the end of the route, within tolerance."""
+        """Return True if the robot is at rest at the end of the route, within the goal's tolerances."""
         return self._closing and self._regulator.finished(pose)
 
     def command(self, pose: Pose2, dt: float, most: float = math.inf) -> tuple[float, ...]:

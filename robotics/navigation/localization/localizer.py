@@ -302,8 +302,8 @@ class ScanLocalizer(Localizer):
     def check_start(self, beams: ScanBeams) -> StartFit:
         """Check the stated start by the first scan, in comparison with all other places of the map.
 
-        If the scan fits clearly better elsewhere, at exactly one place within `PLAUSIBLE_M`, the pose is set
-        to that place. If it fits better at several places, or at none completely, `misplaced` is set.
+        If the scan fits better at exactly one other place, within `PLAUSIBLE_M` and with the share `SURE_FIT`
+        of its beams, the pose is set to that place. After any other better fit `misplaced` is set.
         """
         noise = math.hypot(self._sigma, CELL_SIGMA * self._field.map.resolution)
         fit = check_start(self._field, beams, self.pose, noise)

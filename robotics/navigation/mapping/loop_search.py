@@ -78,8 +78,9 @@ def _runs(flags: BoolArray) -> Iterator[IntArray]:
 
 
 def supported(loops: Sequence[Loop], poses: Sequence[Pose2]) -> list[bool]:
-    """Return for each loop closure whether another closure, with another later keyframe nearby, agrees with
-    it.
+    """Return for each loop closure whether another one agrees with it.
+
+    The other one has a different later keyframe; both are at most `SUPPORT_KEYFRAMES` keyframes apart.
 
     Args:
         loops: closures with a match.

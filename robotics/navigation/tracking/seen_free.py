@@ -17,7 +17,7 @@ BEAMS_BESIDE = 1  # beams on each side that have to have passed it as well
 
 @dataclass(frozen=True, eq=False)
 class PastScan:
-    """A past scan with its time and the pose of the lidar."""
+    """A past scan with its time and the lidar's pose on the map."""
 
     time: float
     """Time of the scan, in [s]."""
