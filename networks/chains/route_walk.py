@@ -64,8 +64,9 @@ class RouteWalk:
                 self._after_fail[number, action.index] = place[to or action.source]
 
     def after(self, states: FlowStates) -> Iterator[FlowStates]:
-        """Follow runs from `states` until each run has one more Fail or has ended. Equal rows of
-        `states.counts` have to be adjacent.
+        """Follow runs from `states` until each run has one more Fail or has ended.
+
+        Equal rows of `states.counts` have to be adjacent.
 
         Yield the states after these Fails; add the probability and cost of runs that end to `ends`.
         """

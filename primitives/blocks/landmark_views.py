@@ -148,7 +148,8 @@ class LandmarkViews:
         return bool(self._inside(self._cameras[-1], mark.kind, [place])[0])
 
     def telling_hands(self, start: Transform) -> list[Transform]:
-        """Return poses base_T_hand from which a picture can decide which assignment to landmarks is right.
+        """Return poses base_T_hand from which a picture can decide which assignment of seen marks to
+        landmarks is right.
 
         The most informative one is first.
 

@@ -12,7 +12,7 @@ class LooksAtRest:
     """Decision whether a base stops during a drive, so that its pose is corrected by scans at rest.
 
     The base has to stop when the position error that driving added since the last scan at rest exceeds a
-    standard deviation of 6 mm, or 2 mm near the end of the drive.
+    standard deviation of 6 mm, or 2 mm in the last 0.5 m of the drive.
     """
 
     def __init__(self, localization: Localization) -> None:

@@ -265,8 +265,8 @@ class SensorArm:
             self._robot.arm.move(joints)
 
     def stow(self) -> Periods:
-        """Raise the arm, move it through the postures `middle` and `home` of the robot's file, and open the
-        fingers.
+        """Raise the arm, move it through posture `middle` of the robot's file to its posture `home`, and open
+        the fingers.
         """
         yield from self.slide(float(self._home[2]))
         if self._robot.arm.command()[0] <= self._middle[0]:

@@ -36,7 +36,7 @@ class LevelPose(FileModel):
         return self.floor.lift(self.height_m)
 
     def body(self, size: tuple[float, float, float], name: str) -> Box:
-        """Return a box called `name` that rests on the level surface at this pose, in the frame of this
-        pose's x and y; `size` is along the box's x, y and z, in [m].
+        """Return a box called `name` that rests on the level surface at this pose, in the frame in which the
+        pose is given; `size` is along the box's x, y and z, in [m].
         """
         return Box(self.floor.lift(self.height_m + size[2] / 2), size, name)

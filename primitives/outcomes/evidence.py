@@ -13,7 +13,7 @@ from .drawn_map import DrawnMap
 
 @dataclass
 class Evidence:
-    """Evidence collected by a primitive during its motion; the runner writes it into the run's folder."""
+    """Evidence that a primitive collects during its motion, and that is written into the run's folder."""
 
     facts: dict[str, float | str] = field(default_factory=dict)
     """Figures and texts; names include the unit."""

@@ -17,7 +17,7 @@ class UnknownJoint(ValueError):
 
 
 def without_joints(urdf_text: str, names: Sequence[str]) -> str:
-    """Return a URDF without some joints and everything that they carry.
+    """Return a URDF without the joints called `names` and everything that these joints carry.
 
     Raises:
         ValueError: the text is not a URDF.

@@ -64,8 +64,9 @@ def wheel_limits(robot: RobotFile, spec: WheelDriveSpec) -> AxisLimits:
 
 
 def joint_limits(robot: RobotFile, spec: JointDriveSpec, model: ArmModel, joint: int) -> AxisLimits:
-    """Return the limits of position, speed, acceleration and torque of one joint of the arm, in [rad], or [m]
-    for a sliding one, and [s].
+    """Return the limits of position, speed, acceleration and torque of one joint of the arm.
+
+    Positions, also in speeds and accelerations, are in [rad], or in [m] for a sliding joint.
 
     Args:
         robot: robot file.

@@ -19,7 +19,7 @@ J_PER_WH = 3600.0
 
 
 class SimulatedBattery(Battery, SimulatedSensor):
-    """Simulated battery of a robot, which time and the base's motion discharge and a charger charges."""
+    """Simulated battery of a robot, discharged by time and the base's motion, and charged by a charger."""
 
     STATE: ClassVar = {"_energy_j": float, "_place": Pose2, "_now": int}
 

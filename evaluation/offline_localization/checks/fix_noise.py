@@ -72,7 +72,7 @@ def white_error(log: DriveLog, period: float) -> float | None:
 
     Returns:
         Standard deviation of a fix per axis, in [m]; None if fewer than `MIN_WINDOWS` windows have
-            `MIN_FIXES` fixes and motion of the base.
+            `MIN_FIXES` fixes and motion of more than 1 m.
     """
     found = _left(*odometry_track(log), max(WINDOW_S, MIN_FIXES * period))
     return None if found is None else max(LEAST_M, found)

@@ -36,7 +36,7 @@ class Division(NamedTuple):
 
 
 class TooFewPlacements(Untrackable):
-    """Error of a path that needs more placements than were allowed.
+    """Error of a path that needs more placements (base poses) than were allowed.
 
     Attributes:
         needed: smallest number of placements that is enough.

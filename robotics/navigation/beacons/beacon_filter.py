@@ -101,8 +101,9 @@ class BeaconFilter(FieldLocalizer):
 
     @property
     def biases(self) -> Belief:
-        """Estimated range biases (k,) of the beacons (measured minus true range), in [m], with covariance (k,
-        k) in [m²].
+        """Estimated range biases (k,) of the beacons, in [m], with their covariance (k, k) in [m²].
+
+        A bias is the measured range minus the true range.
         """
         own = slice(states.STATE_SIZE, -1)
         return Belief(self._mean[own].copy(), self._spread[own, own].copy())

@@ -80,7 +80,8 @@ def _runs(flags: BoolArray) -> Iterator[IntArray]:
 def supported(loops: Sequence[Loop], poses: Sequence[Pose2]) -> list[bool]:
     """Return for each loop closure whether another one agrees with it.
 
-    The other one has a different later keyframe; both are at most `SUPPORT_KEYFRAMES` keyframes apart.
+    The other one has a different later keyframe. Their earlier keyframes, and their later ones, are at most
+    `SUPPORT_KEYFRAMES` apart.
 
     Args:
         loops: closures with a match.

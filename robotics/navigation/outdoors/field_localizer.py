@@ -22,7 +22,9 @@ STEP_PERIOD_S = 0.1  # [s] of a filter's step; gyros and wheels are integrated w
 
 
 class Inconsistency(NamedTuple):
-    """Statistic of a filter's readings that exceeds its limit, which follows from the filter's covariance."""
+    """Statistic of a filter's readings that exceeds its limit; the limit follows from the filter's
+    covariance.
+    """
 
     what: str
     """Statistic of the readings that is inconsistent."""
