@@ -142,7 +142,7 @@ def _where(place: Place, grid: GridMap) -> str:
 
 
 def place_rooms(task: Task, robot: RobotFile, model: WorldModel, start: Pose2) -> PlaceRooms:
-    """Return clearance and routes of all places of a task.
+    """Return clearance (distance to obstacles) and routes of all places of a task.
 
     The result is empty if the task has no map or no places, or if the robot's base is car-like, for which no
     routes are planned on a map.

@@ -44,7 +44,8 @@ class LidarWatch:
             grid: the map, whose walls must return echoes; None: not compared.
 
         Raises:
-            NeedsPerson: the lidar is covered, repeats its last scan, or shows too few of the map's walls.
+            NeedsPerson: the lidar is covered, repeats its last scan, or shows fewer of the map's walls in a
+                sector than `MAX_SILENT_SHARE` allows.
         """
         lidar = robot.lidar
         if lidar is None:

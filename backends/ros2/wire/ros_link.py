@@ -93,7 +93,7 @@ class Link(Protocol):
         """Return the nodes that serve an action, as texts with the node's name and the action's type."""
 
     def actions_of(self, kind: str) -> list[str]:
-        """Return the names of all actions of a type that are served."""
+        """Return the names of all actions of a type that have a server."""
 
     def now(self) -> float:
         """Return the present ROS time in [s], which is used for the stamps of messages."""
