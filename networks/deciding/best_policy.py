@@ -66,7 +66,8 @@ class BestPolicy:
         """Return a copy of this policy with other outcome probabilities; its decisions are not computed yet.
 
         Args:
-            chances: outcome probabilities of each action; None if it only skips an element of a repeat.
+            chances: outcome probabilities of each action; None for an action that only skips one of the
+                elements over which a part of the network is repeated.
             effort: budget for computing decisions.
         """
         other = copy(self)

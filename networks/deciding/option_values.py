@@ -54,7 +54,7 @@ class OptionValues:
 
     @property
     def are_known(self) -> bool:
-        """True if each action of the network has a probability, so that results can be computed."""
+        """True if each action has a probability of Success, so that `of` can compute expected results."""
         return all(a.p_success is not None for a in self._network.actions if a.binding is not None)
 
     def of(self, action: Action, counts: Mapping[int, int], hopes: bool = False) -> OptionValue | None:

@@ -22,7 +22,7 @@ ARM_MARGIN_M = 0.005  # between the arm and anything
 ALLOWED_CONTACTS = ((HELD_NAME, "tray"),)  # a held object was taken from the tray
 FINGER_RESOLUTION_M = 5e-4  # to which fingers are known, so that one model serves for many motions
 MAX_JOINT_LAG_RAD = 0.15  # behind the command at which something stops the arm: two periods at top speed
-SLIDE_LAGS = 0.03  # [m] the same of joints that slide
+MAX_SLIDE_LAG_M = 0.03  # the same of joints that slide
 GOAL_TOLERANCE_RAD = 1e-4  # to a goal that needs no motion
 MORE_STARTS = 40  # of the inverse kinematics, where its first posture can't be reached
 MORE_GOALS = 3  # postures that a way is looked for to then
@@ -139,10 +139,11 @@ def follow(robot: Robot, path: FloatArray) -> Periods:
         path: (m, n) joint positions, in [rad] or [m].
 
     Raises:
-        Discrepancy: a joint lags more than `MAX_JOINT_LAG_RAD`, or `SLIDE_LAGS`, behind its command.
+        Discrepancy: a joint lags more than `MAX_JOINT_LAG_RAD` behind its command, or more than
+            `MAX_SLIDE_LAG_M` if it slides.
     """
     slides = robot.arm_model.slides
-    most = np.where(slides, SLIDE_LAGS, MAX_JOINT_LAG_RAD)
+    most = np.where(slides, MAX_SLIDE_LAG_M, MAX_JOINT_LAG_RAD)
     for joints in time_path(path, robot.joint_speeds, robot.spec.joint_accelerations(), robot.period)[1:]:
         robot.arm.move(joints)
         yield

@@ -76,7 +76,7 @@ class WorldSpec:
         """Names and first poses of bodies on joints, by their labels."""
 
     def floor(self, number: int, friction: float) -> None:
-        """Add a level floor at height 0 with a coefficient of friction, without unit."""
+        """Add a level floor at height 0, named by `number`; `friction` is a coefficient, without unit."""
         kind = mujoco().mjtGeom.mjGEOM_PLANE
         self._floor = f"{number}"
         self.solid(self.spec.worldbody, self._floor, friction, type=kind, size=(0.0, 0.0, 1.0))

@@ -65,9 +65,7 @@ class Puller:
         """Force (3,) of the person on the held object, in the world, in [N]."""
 
     def step(self) -> None:
-        """Begin and end the person's pulls that are due in this period, and set `force` to the present force
-        in [N].
-        """
+        """Begin and end the pulls on the held object that are due in this period, and update `force`."""
         self._watch_hand()
         now = self._scene.time
         self.pulls = [self._advanced(pull, now) for pull in self.pulls]

@@ -50,6 +50,10 @@ def look_at_floor(
         looks: "plain" if anything with an edge on the floor is taken for the object; otherwise only the
             object's tags count.
 
+    Returns:
+        "free" if nothing lies there, "not seen" without a view, "no tag seen" if no tag of the object was
+            read on a floor that has edges of its own.
+
     Raises:
         NeedsPerson: the object lies there.
     """

@@ -179,9 +179,9 @@ def rises(
         every: only points whose number is a multiple of this are used.
         origin: lower-left corner of the map in its frame, in [m].
         resolution: side of a cell, in [m].
-        facing: (k, h, w) distances of the cells to the nearest surface, as `LikelihoodField.facing`, in steps
-            of 1 / `STEPS_PER_CELL` cells.
-        sectors: (m,) for each point, the index along the first axis of `facing`.
+        facing: (s, h, w) distances of the cells to the nearest surface that faces a direction, for each of s
+            directions, as `LikelihoodField.facing`, in steps of 1 / `STEPS_PER_CELL` cells.
+        sectors: (m,) index along the first axis of `facing` of the direction from each point to the lidar.
         points: (m, 2) of the scan on the map, in [m].
         distances: (m,) of the points to the nearest surface, in [m].
         slopes: (m, 2) slopes of the distances, without unit; empty if the rise expected from the slopes is
