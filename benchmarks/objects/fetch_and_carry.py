@@ -18,7 +18,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -63,6 +63,8 @@ class Figures:
     seen_mm: list[float]
     simulated_s: float
     cpu_s: float
+    contacts: list[str] = field(default_factory=list)
+    """Contacts that no primitive intended, in runs with any end."""
 
 
 def main() -> None:
@@ -90,10 +92,11 @@ def main() -> None:
 
 
 def print_rows(rows: Mapping[tuple[str, str], Figures | str]) -> int:
-    """Print a row for each robot and backend, and the false outcomes; return 1 if there are any, or 0."""
+    """Print a row for each robot and backend, false outcomes and contacts; return 1 if any is there."""
     wide = max(len(robot) for robot, _ in rows)
     print(
-        f"{'robot':<{wide}}  {'backend':<11}{'Success':>9}{'false':>7}{'PLACE off its spot, 50/95 %':>30}",
+        f"{'robot':<{wide}}  {'backend':<11}{'Success':>9}{'false':>7}{'contacts':>10}",
+        f"{'PLACE off its spot, 50/95 %':>29}",
         end="",
     )
     print(f"{'seen off, 50/95 %':>20}{'CPU: times real time':>22}  other ends")
@@ -103,14 +106,17 @@ def print_rows(rows: Mapping[tuple[str, str], Figures | str]) -> int:
             print(f"  {found}")
             continue
         success = f"{found.ends['Success']}/{found.runs}"
-        print(f"{success:>9}{len(found.false):>7}{_spread(found.placed_mm):>30}", end="")
+        print(
+            f"{success:>9}{len(found.false):>7}{len(found.contacts):>10}{_spread(found.placed_mm):>30}",
+            end="",
+        )
         speed = found.simulated_s / found.cpu_s
         print(f"{_spread(found.seen_mm):>20}{speed:>22.1f}  {_others(found.ends)}")
     measured = {key: found for key, found in rows.items() if isinstance(found, Figures)}
     for (robot, backend), found in measured.items():
-        for wrong in found.false:
+        for wrong in (*found.false, *found.contacts):
             print(f"{robot} {backend}: {wrong}")
-    return 1 if any(found.false for found in measured.values()) else 0
+    return 1 if any(found.false or found.contacts for found in measured.values()) else 0
 
 
 def measure(backend: str, robot: str, seeds: range, run: RunOnce | None = None) -> Figures:
@@ -127,6 +133,7 @@ def measure(backend: str, robot: str, seeds: range, run: RunOnce | None = None) 
         found.simulated_s += summary["sim_time_s"]
         found.ends[summary["outcome"] if not summary["reason"] else summary["reason"][:80]] += 1
         found.false += [f"seed {seed}: {item}" for item in metrics["untrue"]]
+        found.contacts += [f"seed {seed}: {_contact(item)}" for item in metrics["contacts"]]
         if "placed_off_mm" in metrics:
             found.placed_mm.append(metrics["placed_off_mm"])
         if "placed_seen_off_mm" in metrics:
@@ -137,6 +144,10 @@ def measure(backend: str, robot: str, seeds: range, run: RunOnce | None = None) 
             flush=True,
         )
     return found
+
+
+def _contact(item: Mapping[str, Any]) -> str:
+    return f"{item['body']} touched {item['other']} in {item['do'] or 'a pause'}, at {item['from_s']:.1f} s"
 
 
 def run_once(
