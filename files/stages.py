@@ -22,9 +22,7 @@ def begin_stage(words: str) -> None:
 
 @contextmanager
 def hearing_of_stages(heard: Callable[[str], None]) -> Iterator[None]:
-    """Call `heard` with the name of each stage of a program that `begin_stage` reports within the `with`
-    block.
-    """
+    """Call `heard` with the name of each stage that the program reports by `begin_stage` meanwhile."""
     before = _heard.set(heard)
     try:
         yield

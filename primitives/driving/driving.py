@@ -190,7 +190,7 @@ class FieldObstacleMonitor:
         return np.asarray(sensed[np.hypot(*(sensed - blocking).T) < OBSTACLE_MEMORY_RADIUS_M])
 
     def around(self, robot: Robot, blocking: FloatArray) -> FloatArray:
-        """Return the points (n, 2) of the obstacle to which `blocking` (2,) belongs, a point that blocks the
+        """Return the points (n, 2) of the obstacle to which `blocking` (2,) belongs, a point that closes the
         path.
 
         The result is `blocking` itself and the points near it in this period's scan that may be obstacles;
