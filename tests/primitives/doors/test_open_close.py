@@ -169,5 +169,6 @@ def test_handle_is_taken_clear_of_walls_where_that_is_possible(
         primitive = OpenDoor(door="cupboard")
         model: Any = rig.model.view(primitive)  # type: ignore[arg-type]
         joint = primitive.believed_joint(rig.robot, model)
-        list(primitive._planned(rig.robot, model, primitive.known(model), joint, (0.0, 0.3)))
+        for _ in primitive._planned(rig.robot, model, primitive.known(model), joint, (0.0, 0.3)):
+            rig.robot.step()
     assert planned == ([True, False] if is_blocked else [True])
