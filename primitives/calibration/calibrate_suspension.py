@@ -60,8 +60,9 @@ class HandSurroundings(NamedTuple):
 
 
 class CalibrateSuspension(ActionPrimitive):
-    """View landmarks near and far, then swing the held load out and back, to measure the base's tilt and
-    turn.
+    """Measure how far the base tilts and turns when the arm swings a load, by views of landmarks.
+
+    Landmarks near and far are viewed before and after the held load was swung out and back.
 
     The base tilts towards the hand, so that landmarks in views from near and far, high and low, appear
     shifted and nearer. The base also turns with each swing of the loaded arm, so that the same landmark then
