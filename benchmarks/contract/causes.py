@@ -63,7 +63,7 @@ def main() -> None:
                 if chosen and batch.action not in chosen:
                     continue
                 print(f"{robot}, {batch}; so far {right.total()} of {judged.total()}", flush=True)
-                for trial in seeded(batch, given.seed)():
+                for trial in seeded(batch, given.seed).trials():
                     if trial.names_its_cause is None:
                         continue
                     judged[trial.kind] += 1
