@@ -156,7 +156,9 @@ class CollisionModel:
 
     def _pair(self) -> None:
         """Choose the pairs of bodies that are checked."""
-        joints = np.array([body.parentJoint for body in self._bodies.geometryObjects])
+        joints = np.array([body.parentJoint for body in self._bodies.geometryObjects], dtype=np.intp)
+        if not len(joints):  # an arm without bodies, and nothing around it
+            return
         parents = np.array(self._model.parents)[joints]
         links, count = len(self._links), len(joints)
         apart = joints[:, None] != joints
