@@ -25,7 +25,7 @@ class CommandError(HandcartError, ValueError):
 
 
 class RobotFault(HandcartError):
-    """Error: the robot can't be driven any more; it has been stopped, and a person has to look at it."""
+    """Error: the robot cannot be driven any more; it has been stopped, and a person has to look at it."""
 
     exit_status = 4
 
@@ -125,7 +125,7 @@ class Backend(ABC):
 
     @classmethod
     def kinds(cls, robot: RobotFile) -> tuple[type[Capability], ...] | None:
-        """Return the capabilities of a robot by its file alone, without connecting to the robot.
+        """Return the classes of a robot's capabilities by its file alone, without connecting to the robot.
 
         None if the capabilities are known only after the backend was built; `handcart check` then builds the
         backend. A backend that connects to a real robot when it is built must not return None.
@@ -163,7 +163,7 @@ class Backend(ABC):
 
     @abstractmethod
     def capabilities(self) -> tuple[Capability, ...]:
-        """Return the capabilities of the robot."""
+        """Return the robot's capabilities, one object for each of its actuators and sensors."""
 
     @abstractmethod
     def step(self) -> None:

@@ -12,7 +12,7 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 @dataclass(frozen=True)
 class Body:
-    """True support and pose of a movable body, for evaluation."""
+    """A movable body with its true pose and the name of the body that it lies on, for evaluation."""
 
     support: str
     """Supporting body: "hand", "tray", or the name of another one; "floor" if the body fell."""

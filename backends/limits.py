@@ -21,7 +21,7 @@ def checked_drive(drive: Drive, speed: float, turn_rate: float) -> tuple[float, 
     """Check a forward speed in [m/s] and a turn rate to the left in [rad/s], and return them unchanged.
 
     Raises:
-        CommandError: a value isn't finite or beyond a limit.
+        CommandError: a value is not finite or beyond a limit.
     """
     command = checked_command(drive, speed, turn_rate)
     return command.speed, command.turn_rate
@@ -37,7 +37,7 @@ def checked_command(drive: Drive, speed: float, turn_rate: float, sideways: floa
         sideways: to the left, in [m/s].
 
     Raises:
-        CommandError: a value isn't finite or beyond a limit.
+        CommandError: a value is not finite or beyond a limit.
     """
     top, top_turn = drive.top_speed_m_s, math.radians(drive.top_turn_deg_s)
     # Written so that NaN is refused too.
@@ -119,7 +119,9 @@ def _units(model: ArmModel, number: int) -> tuple[float, str]:
 
 
 def checked_width(gripper: GripperSpec, width: float) -> float:
-    """Check a commanded opening in [m], and return it unchanged; raise `CommandError` outside the range."""
+    """Check a commanded opening in [m], and return it unchanged; raise `CommandError` below 0, beyond the
+    gripper's opening, or for NaN.
+    """
     opening = gripper.opening_mm / 1e3
     if not 0.0 <= width <= opening + _ROUNDING:
         raise CommandError(f"a width of {width} m; allowed: 0 to {opening}")

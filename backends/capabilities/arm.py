@@ -39,8 +39,8 @@ class Arm(Capability):
     def hand_force(self) -> FloatArray:
         """Return the force of the surroundings on the hand or its object, (3,) in [N], in the hand frame.
 
-        The force comes from a wrist sensor or from the joints' efforts; it is zero without either. The weight
-        of the arm is subtracted from it, the weight of a held object is not.
+        The force comes from a wrist sensor or from the joints' efforts; it is zero if the arm measures
+        neither. The weight of the arm is subtracted from it, the weight of a held object is not.
         """
 
 

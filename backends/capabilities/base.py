@@ -78,7 +78,7 @@ class Base(Capability):
         """Command the next period's forward speed in [m/s] and turn rate to the left in [rad/s].
 
         Raises:
-            CommandError: a value isn't finite or beyond the robot's limits.
+            CommandError: a value is not finite or beyond the robot's limits.
         """
 
     @abstractmethod
@@ -100,5 +100,5 @@ class HolonomicBase(Base):
             sideways: to the left, in [m/s].
 
         Raises:
-            CommandError: a value isn't finite or beyond the robot's limits.
+            CommandError: a value is not finite or beyond the robot's limits.
         """

@@ -9,8 +9,9 @@ from typing import ClassVar, NamedTuple
 
 
 class Reading(NamedTuple):
-    """Description of a capability's method that reads a sensor, for recording its readings and simulating
-    faults.
+    """Description of a method that reads a sensor, such as `Arm.joints`.
+
+    By it, readings are recorded and faults of the sensor are simulated.
     """
 
     sensor: str

@@ -21,10 +21,11 @@ class Gripper(Capability):
 
     @abstractmethod
     def move(self, width: float) -> None:
-        """Command the opening between the finger pads, in [m]. An object between the pads stops and is held.
+        """Command the opening between the finger pads, in [m]. Fingers that meet an object stop there and
+        hold it.
 
         Raises:
-            CommandError: the width isn't finite or not between 0 and the gripper's opening.
+            CommandError: the width is not finite or not between 0 and the gripper's opening.
         """
 
     @abstractmethod

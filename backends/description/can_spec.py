@@ -40,7 +40,9 @@ without them.
 
 
 class AxisSpec(FileModel):
-    """Node, encoder, gear, stop and safety features of a CiA 402 drive, as a robot's file states them."""
+    """Description of a CiA 402 drive in a robot's file: node, encoder, gear, behaviour at a stop, and
+    brake.
+    """
 
     node: NodeId
     """Node ID of the drive."""
@@ -71,7 +73,9 @@ class AxisSpec(FileModel):
 
     @property
     def counts_per_turn(self) -> float:
-        """Encoder counts for one turn of the driven part, negative if `sign` in the robot's file is -1."""
+        """Encoder counts for one turn of the wheel or joint that the gear drives; negative if `sign` in the
+        robot's file is -1.
+        """
         return self.sign * self.counts_per_rev * self.gear_ratio
 
 
@@ -125,7 +129,9 @@ class JointDriveSpec(AxisSpec):
 
     @property
     def rated_effort(self) -> float:
-        """Effort at the joint for a torque value (6077h) of 1000, in [Nm], or in [N] for a sliding joint."""
+        """Effort at the joint at the motor's rated torque (a value of 1000 in 6077h), in [Nm], or in [N] for
+        a sliding joint.
+        """
         return (self.rated_force_n if self.slides else self.rated_torque_nm) or 0.0
 
     @property
@@ -188,7 +194,7 @@ class CanSpec(FileModel):
         return self.left, self.right
 
     def axes(self) -> tuple[tuple[str, AxisSpec], ...]:
-        """All drives, each with the name of the part that it moves."""
+        """All drives, each with the name of what it moves, such as `left wheel` or `joint 1`."""
         joints = ((f"joint {number}", joint) for number, joint in enumerate(self.joints, 1))
         gripper = () if self.gripper is None else (("gripper", self.gripper),)
         return ("left wheel", self.left), ("right wheel", self.right), *joints, *gripper

@@ -59,7 +59,9 @@ class JointUnits(NamedTuple):
 
     @property
     def all(self) -> str:
-        """Return the units of all joints for a message: `deg`, or `deg, deg, mm`."""
+        """Return the units of all joints for a message: `deg` if all joints turn, otherwise one unit for each
+        joint, such as `deg, deg, mm`.
+        """
         return "deg" if not any(self.slides) else ", ".join(map(self.unit, range(len(self.names))))
 
 

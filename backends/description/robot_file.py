@@ -128,7 +128,9 @@ class SuspensionSpec(FileModel):
 
 
 class Tolerance(FileModel):
-    """Largest differences at which a measured state of robot and objects counts as equal to another."""
+    """Largest differences up to which a measured state of robot and objects counts as equal to the expected
+    one.
+    """
 
     base_mm: Positive
     base_deg: Positive
@@ -391,7 +393,7 @@ class RobotFile(SensorTable, OutlinedFile):
         return ideal
 
     def posture(self, name: str) -> tuple[float, ...]:
-        """Return a named posture, in [rad] or [m] for each joint of the arm; raise `UnknownPosture`."""
+        """Return a posture by its name, in [rad] or [m] for each joint; raise `UnknownPosture` without it."""
         if self.arm is None or name not in self.arm.postures:
             known = ", ".join(self.arm.postures) if self.arm else "none: the robot has no arm"
             raise UnknownPosture(f"the robot's file has no posture {name!r}; allowed: {known}")

@@ -142,7 +142,9 @@ class RosArmSpec(FileModel):
 
 
 class RosGripperSpec(FileModel):
-    """ROS topic or action of the gripper's controller, and the meaning of its positions."""
+    """ROS topic or action of the gripper's controller, and the joint positions at which the fingers are open,
+    are closed, or press on an object.
+    """
 
     topic: Topic = "gripper_controller/joint_trajectory"
     action: Topic | None = None

@@ -36,8 +36,8 @@ class AveragedScan:
     def take(self, scan: Scan) -> Scan:
         """Add a scan to the running average, and return the scan with averaged ranges (n,), in [m].
 
-        The same scan is added only once. A range `SAME_SURFACE_M` or more from its beam's average is returned
-        as it is.
+        The same scan is added only once. A range that differs by `SAME_SURFACE_M` or more from the average of
+        its beam is returned unchanged.
         """
         pose = self._pose()
         apart = pose.distance(self._began) > SAME_POSE_M or pose.turn(self._began) > SAME_POSE_RAD

@@ -33,8 +33,8 @@ class Photo(NamedTuple):
 class FreshPictures:
     """Detector of a camera that delivers an old picture again although the camera has moved.
 
-    The camera's motion follows from the wheels and joints that carry it; `note` and `take` get their
-    positions as an array (k,), in [m] or [rad].
+    The camera's motion follows from the wheels and joints that carry it; `note` and `take` get the positions
+    of those wheels and joints as an array (k,), in [m] or [rad].
     """
 
     def __init__(self) -> None:

@@ -126,7 +126,7 @@ class GuardedBase(HolonomicBase):
             sideways: speed to the left, in [m/s].
 
         Raises:
-            CommandError: a value isn't finite or beyond the limits, or the base can't drive sideways.
+            CommandError: a value is not finite or beyond the limits, or the base cannot drive sideways.
         """
         command = DriveCommand(speed, turn_rate, sideways)
         moves = command.along != 0.0 or (turn_rate != 0.0 and not self._shape.is_disc)

@@ -53,8 +53,8 @@ class MountedCamera(NamedTuple):
 
 
 def camera_mount(robot: RobotFile, link: str, arm: ArmModel | None) -> CameraMount:
-    """Return the mount of a camera at a link of the URDF; if no joint is between hand and link, it is on the
-    hand.
+    """Return the mount of a camera at a link of the URDF; the camera is on the hand if no joint is between
+    the hand and that link.
 
     Args:
         robot: robot file.

@@ -369,7 +369,7 @@ class Robot:
             set_attributes(self._unseen, self._unseen.STATE, state["driven"])
 
     def moved_by(self, who: object) -> bool:
-        """Record that `who` moves the robot; False if two or more did so in this or the previous period."""
+        """Note that `who` moves the robot; False if two or more objects did so in this or the last period."""
         self._movers.add(id(who))
         return len(self._movers) == 1 and len(self._moved) <= 1
 

@@ -68,7 +68,9 @@ class JointStates(TopicSensor):
     @property
     @override
     def age(self) -> float | None:
-        """Time in [s] since the oldest of the last readings of all joints; None before the first message."""
+        """Age in [s] of the last reading of that joint whose readings are oldest; None before the first
+        message.
+        """
         if self._came is None:
             return None
         return self._now - min(self._taken_s.values(), default=self._came)

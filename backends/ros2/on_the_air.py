@@ -81,7 +81,8 @@ def _findings(topics: RosTopics, link: Link) -> Iterator[str]:
 
 
 def unheard(topics: RosTopics, link: Link) -> list[str]:
-    """Return the command topics without a subscriber of the right message type, and actions without a server.
+    """Return the names of command topics without a subscriber of the right message type, and of actions
+    without a server.
 
     In ROS, a node that subscribes with another message type receives nothing, and no error is reported.
     """

@@ -86,7 +86,7 @@ class RosTopics:
         self._sensors = tuple(self._made_sensors())
 
     def capabilities(self) -> tuple[Capability, ...]:
-        """Return the capabilities that the robot has."""
+        """Return the robot's base, its arm and gripper if it has them, and its sensors with ROS topics."""
         actuators = (item for item in (self.base, self.arm, self.gripper) if item is not None)
         return (*actuators, *self._sensors)
 
@@ -292,8 +292,8 @@ class RosTopics:
 
 
 def check_joints(robot: RobotFile, spec: RosSpec) -> None:
-    """Raise `UnknownJoints` unless each joint of the arm has exactly one controller, and no other joint has
-    any.
+    """Raise `UnknownJoints` if a joint of the arm has no controller or more than one, or if a controller has
+    a joint that the arm lacks.
     """
     wrong = [": ".join(["ros2", *map(str, key[:1]), words]) for key, words, _ in ros_faults(robot, spec)]
     if wrong:

@@ -53,9 +53,9 @@ def with_hulls(urdf_text: str, floor_T_links: Mapping[str, Transform] | None = N
 
     Args:
         urdf_text: URDF of the robot.
-        floor_T_links: pose (4, 4) above the floor (z = 0) of each link that must not touch it, by name;
-            points of their hulls that reach down to the floor are lifted. This happens if the base's mesh
-            includes wheels and casters.
+        floor_T_links: pose (4, 4) above the floor (z = 0) of each link that must not touch the floor, by
+            name; points of their hulls that reach down to the floor are lifted. This happens if the base's
+            mesh includes wheels and casters.
 
     Raises:
         ValueError: a mesh cannot be read, or encloses no volume.

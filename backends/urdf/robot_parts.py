@@ -29,7 +29,7 @@ KeyPath = tuple[str | int, ...]
 
 
 class UrdfError(ValueError):
-    """Error for a URDF that is missing, or that cannot be mounted where the robot's file says."""
+    """Error: a robot's URDF is missing, or that cannot be mounted where the robot's file says."""
 
     def __init__(self, wrong: str, key: KeyPath | None = None) -> None:
         self.key = key
@@ -101,7 +101,7 @@ def read_part(urdf: str, folder: Path, without: Sequence[str] = ()) -> ReadPart:
 
     Raises:
         FileError: the URDF, or a mesh of a link, is faulty.
-        UrdfError: the URDF is missing, or has no joint of `without`.
+        UrdfError: the URDF is missing, or lacks a joint that `without` names.
     """
     path, root, shown = _found(urdf, folder)
     if not path.is_file():
@@ -250,9 +250,9 @@ def read_urdf_file(path: Path, shown: str | None = None, without: Sequence[str] 
         without: joints that are not checked, nor the links that they carry.
 
     Raises:
-        FileError: the file cannot be read, is not XML within the limits of `read_xml_text`, or is not a sound
+        FileError: the file cannot be read, is not XML within the limits of `read_xml_text`, or is not a valid
             URDF.
-        UnknownJoint: the URDF has no such joint.
+        UnknownJoint: the URDF lacks a joint that `without` names.
     """
     text = read_xml_text(path)
     faults = [(_finding(shown or str(path), *fault), fault.mild) for fault in urdf_faults(text, without)]

@@ -92,7 +92,7 @@ def robot_urdf(
 
     Raises:
         FileError: a URDF or SRDF is faulty.
-        UrdfError: a URDF is missing, can't be mounted at its link, or lacks a mapped link or joint.
+        UrdfError: a URDF is missing, cannot be mounted at its link, or lacks a mapped link or joint.
     """
     text, pairs = "", []
     places: dict[tuple[str, str], SourcePlace] = {}

@@ -44,7 +44,7 @@ def write_activity(definition: Definition, room: Room, folder: Path, robot: str)
     Return the paths of the files.
 
     Raises:
-        OSError: the folder can't be written.
+        OSError: the folder cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
     head = f"# {definition.name}, definition {definition.instance} of BEHAVIOR-1K"

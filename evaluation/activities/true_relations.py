@@ -60,7 +60,9 @@ class TrueThing:
 
 
 def is_on_top(upper: TrueThing, lower: TrueThing) -> bool:
-    """Return whether two things touch, and `lower` is below `upper` without a part above `upper`."""
+    """Return whether two things touch, `lower` has a part straight below `upper`, and no part straight above
+    it.
+    """
     if not is_touching(upper, lower):
         return False
     below, above = _vertical_starts(upper)

@@ -26,7 +26,7 @@ def recorded_report(robot: RobotFile, spec: RosSpec, path: Path, seconds: float)
 
     Raises:
         InputError: the extra `bags` is not installed.
-        FileError: the bag can't be read, or has no readings.
+        FileError: the bag cannot be read, or has no readings.
     """
     link = BagLink(path, spec.namespace)
     report = listen(robot, spec, link, lambda: link.pass_time(PASS_S), seconds, lambda: link.is_over)

@@ -71,7 +71,8 @@ class StopReach:
         return StopPlacer(self.placer, [partial(self._sight, mark) for mark in landmarks])
 
     def goal(self, place: LevelPose) -> Goal:
-        """Return the hand poses for approaching a block from above, and those with the camera above it.
+        """Return the hand poses for approaching a block from above, and those that hold the camera above the
+        block.
 
         Args:
             place: pose of the block, on the map.

@@ -41,7 +41,8 @@ def book_facts(robot: RobotFile, reach: HandReach | None) -> DomainFacts:
 
     Args:
         robot: the robot.
-        reach: reach of its hand; without it or without a tray, only what the robot lacks is returned.
+        reach: reach of its hand. If it is None, or the robot has no tray, only what the robot lacks is
+            returned.
     """
     remarks = _lacking(robot)
     if reach is None or not robot.has_tray:

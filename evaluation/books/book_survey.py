@@ -92,7 +92,7 @@ class BookSurvey(Survey):
     def faults(self) -> list[str]:
         """Return a message if a returned book is in a wrong place or pose, or if other books were pushed.
 
-        With a message, a Success of the complete run is false.
+        A message shows that the Success of the complete run is false.
         """
         stands = None if self._shelving is None else self._shelving.judge(self._books)
         return [] if stands is None or stands.right else [str(stands)]

@@ -18,10 +18,10 @@ from .library_room import STAND_OFF
 
 
 def stop_errors(scene: Scene, primitive: ActionPrimitive) -> dict[str, float]:
-    """Return true errors after an action with Success, of the base at a dock or of the book before a slot.
+    """Return the true errors of an action with Success: of the base in front of a shelf, or of a held book in
+    front of its slot.
 
-    The errors are by name, in the unit at the end of the name; empty for actions that stop elsewhere. A dock
-    is the place in front of a shelf.
+    The errors are by name, in the unit at the end of the name; empty for actions that stop elsewhere.
     """
     if primitive.label() == DRIVE_PRIMITIVE:
         return _dock(scene, str(getattr(primitive, "place", "")))

@@ -31,9 +31,7 @@ class Operator(ABC):
 
     @abstractmethod
     def confirm(self, key: str, question: str) -> bool:
-        """Return the operator's answer to a question with yes or no; `key` identifies the question in
-        records.
-        """
+        """Ask the operator a question, and return True for yes; `key` identifies the question in records."""
 
     @abstractmethod
     def number(self, key: str, question: str, truth: Callable[[], float]) -> float:
@@ -101,7 +99,7 @@ class ScriptedOperator(BenchOperator):
         self._answers = answers
 
     def confirm(self, key: str, question: str) -> bool:
-        """Return the answer that the file of answers has for a question with yes or no.
+        """Return True if the file of answers says yes to a question, False if it says no.
 
         Raises:
             UnansweredQuestion: the file has no answer, yes or no, for this key.

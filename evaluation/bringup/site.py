@@ -67,12 +67,15 @@ class RobotSite(ABC):
     # Answers of a person, kept in the record
 
     def confirm(self, key: str, question: str) -> bool:
-        """Ask a question with yes or no; the answer is also kept in `answers` under `key`."""
+        """Ask the operator a question; return True for yes. The answer is also kept in `answers` under
+        `key`.
+        """
         said = self.answers[key] = self.operator.confirm(key, question)
         return said
 
     def number(self, key: str, question: str, truth: float) -> float:
-        """Ask for a measured value, in the unit of the question; on a bench the answer is `truth`.
+        """Ask the operator for a measured value and return it, in the unit of the question; on a bench the
+        answer is `truth`.
 
         The answer is also stored in `answers` under `key`, for the step's record.
         """

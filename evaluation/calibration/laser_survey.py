@@ -95,8 +95,8 @@ class LaserSurvey:
         return fit_spots(self._ahead, self._left, WALL_DISTANCE_M)
 
     def figures(self) -> dict[str, float]:
-        """Return the base's fitted roll, pitch and yaw by the arm's motion as metrics of a run, by name with
-        unit.
+        """Return by how much the base rolls, pitches and yaws when the arm moves, by name with unit, as
+        metrics of a run.
         """
         rates = self.rates()
         return {

@@ -25,8 +25,8 @@ def run_campaign(
 ) -> Generator[Trial, None, None]:
     """Run trials and yield each one once it has ended and is in the log.
 
-    A trial that was cancelled on its own does not count. An interrupt (Ctrl-C, SIGTERM, SIGHUP) stops the
-    running trials and ends the campaign; a second interrupt kills them.
+    A trial that a person cancelled without ending the campaign is neither logged nor yielded. An interrupt
+    (Ctrl-C, SIGTERM, SIGHUP) stops the running trials and ends the campaign; a second interrupt kills them.
 
     Args:
         setting: common setting of all trials.

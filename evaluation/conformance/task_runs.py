@@ -92,7 +92,7 @@ def task_runs(
         backend: name of the tested backend.
         seeds: number of seeds, from 0.
         settings: values of the tasks' parameters, by name.
-        simulated: name of the simulated backend that answers the drives or topics of `backend`; None:
+        simulated: name of the simulated backend whose robot the drives or topics of `backend` control; None:
             `backend` needs no simulation.
     """
     backends = dict.fromkeys((backend, REFERENCE_BACKEND))

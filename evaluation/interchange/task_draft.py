@@ -58,8 +58,8 @@ class TaskDraft:
         return f"\0{self._placeholders}"
 
     def bind(self, placeholder: str, situation: str) -> None:
-        """Replace a placeholder, which stands for a situation's name, by a situation or another placeholder,
-        wherever the task names it.
+        """Replace a placeholder (see `placeholder`) by a situation or by another placeholder, wherever the
+        task names it.
         """
         self._same[placeholder] = situation
 

@@ -18,8 +18,9 @@ MAX_OUTSIDE_M = 0.03  # from a centre of mass to the link's bodies
 def mass_faults(link: LinkFacts, bodies: Sequence[Shape], moves: bool = False) -> list[str]:
     """Return messages about implausible mass and inertia of a link.
 
-    These are no or no positive mass, inertia that no body has, a density outside `LIGHT` to `HEAVY`, and a
-    centre of mass or inertia beyond the link's bodies.
+    Reported are a missing mass or one that is not positive, an inertia that no rigid body has, a density
+    outside `LIGHT` to `HEAVY` [kg/m³], and a centre of mass or an inertia beyond the size of the link's
+    bodies.
 
     Args:
         link: the link in its URDF.

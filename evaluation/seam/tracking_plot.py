@@ -26,7 +26,7 @@ def draw_tracking_errors(
         limit_mm: largest allowed error, in [mm]; None: no limit is drawn.
 
     Raises:
-        OSError: the file can't be written.
+        OSError: the file cannot be written.
     """
     from matplotlib.figure import Figure
 

@@ -131,8 +131,8 @@ def build_rig(
         put_at_start: True to put the robot at the start place of `files` also if the world states another
             start.
         is_start_known: False for a robot that has to find its start pose by itself.
-        bench: name of the simulated backend that answers the drives or topics of `backend`; None: `backend`
-            needs no simulation.
+        bench: name of the simulated backend whose robot the drives or topics of `backend` control; None:
+            `backend` needs no simulation.
 
     Raises:
         NoSuchPlace: the start place does not exist.

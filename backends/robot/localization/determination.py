@@ -50,8 +50,9 @@ class PoseNeed(NamedTuple):
             covariance: (2, 2) or (3, 3) covariance of the pose on the map, of x and y in [m²] first.
 
         Returns:
-            (2, 2) unit vectors on the map in columns, and (2,) limits in [m]. Without the limit `across`, the
-            directions are the principal axes of the covariance, along one of which the error is largest.
+            (2, 2) unit vectors on the map in columns, and (2,) limits in [m]. If `across` is None, the
+            directions are the principal axes of the covariance, along one of which the error is largest;
+            otherwise, they are `axis` and the direction perpendicular to it.
         """
         if self.across is None:
             return np.linalg.eigh(covariance[:2, :2])[1], np.full(2, self.position)
@@ -107,9 +108,9 @@ def undetermined(
         need: required accuracy; the error compared with it is 3 sigma plus the distance from the wanted pose.
         off: pose minus the wanted pose: x, y on the map in [m] and heading in [rad].
         shift: largest systematic error of the position on the map, either way, in [m], in addition to the
-            covariance; (2,) for a single error, or (1 + n, 2) with n further, independent errors, whose sum
-            is used if it is larger (see `depth_shifts`). A systematic error is the same in all readings at
-            one place.
+            covariance; (2,) for a single error, or (1 + n, 2) with n further, independent errors; the larger
+            of the single error and their sum is used (see `depth_shifts`). A systematic error is the same in
+            all readings at one place.
     """
     if not np.isfinite(covariance).all():
         return Undetermined(0.0, math.inf, need.position)
@@ -130,7 +131,7 @@ def undetermined(
 
 
 def room_left(covariance: FloatArray, need: PoseNeed, shift: FloatArray = NO_SHIFT) -> tuple[float, float]:
-    """Return the margin between a need's limits and 3 sigma of a pose; below 0 the need is not met.
+    """Return the required accuracy of a pose minus 3 sigma of the pose; below 0 the pose is too uncertain.
 
     Args:
         covariance: (3, 3) covariance of the pose: x and y on the map in [m], heading in [rad].

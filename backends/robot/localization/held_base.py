@@ -86,8 +86,8 @@ class HeldBase:
         """Record the corrected pose of this period; later scans are compared with the scan at this pose.
 
         Args:
-            is_found: True if a scan shows where the base is, which ends a search for its pose that began when
-                scans contradicted it.
+            is_found: True if a scan shows where the base is. This ends the search for the pose that began
+                when scans contradicted the wheels' travel.
         """
         self._check.note_pose(self._wheels.pose)
         if is_found and not self._check.is_contradicted:

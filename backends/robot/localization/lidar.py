@@ -59,8 +59,10 @@ class Lidar(RangeSensor):
 
     @property
     def blockage(self) -> str:
-        """Message that the lidar is blocked or dirty, if more than half of this period's beams end within its
-        shortest range or the robot's outline, or give no reading; otherwise "".
+        """Message that the lidar is blocked or dirty; "" if it is not.
+
+        A lidar counts as blocked if more than half of this period's beams give no reading, or end within its
+        shortest range or the robot's outline.
         """
         if self.blind_share <= MAX_BLIND_SHARE:
             return ""
@@ -87,8 +89,9 @@ class Lidar(RangeSensor):
 
     @property
     def silence(self) -> str:
-        """Message if this period's scan is useless for localization, because the lidar is blocked or gets
-        fewer than `MIN_ECHOES` echoes; empty otherwise.
+        """Message that this period's scan is useless for localization; "" if it can be used.
+
+        A scan is useless if the lidar is blocked (`blockage`) or gets fewer than `MIN_ECHOES` echoes.
         """
         scan = self.scan()
         if self._silence is None or self._silence[0] is not scan:

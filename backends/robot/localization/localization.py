@@ -123,7 +123,7 @@ class Localization(ABC):
 
     @property
     def particles(self) -> FloatArray | None:
-        """Possible poses (3, n) on the map, rows x, y in [m] and heading in [rad]; None without particles."""
+        """Poses (3, n) on the map, rows x, y in [m] and heading in [rad]; None without a particle filter."""
         return None
 
     @property
@@ -256,7 +256,7 @@ class Localization(ABC):
         self.set_origin()
 
     def locate(self, pose: Pose2, covariance: FloatArray) -> None:
-        """Leave the local map; localize on the task's map from `pose`; `covariance` (3, 3) in [m, m, rad]."""
+        """Localize on the task's map, not the local one, from `pose`; `covariance` (3, 3): [m, m, rad]."""
         assert self.map_field is not None
         self.local_map = self.lifted = None
         self._wheels.change_map(self.map_field, pose, covariance)
@@ -309,7 +309,7 @@ class Localization(ABC):
         """Mark the present instant, so that `smoothed` returns the pose at this instant."""
 
     def smoothed(self) -> list[Belief]:
-        """Return the poses at times marked by `mark`, corrected by later readings; empty if unsupported."""
+        """Return the poses at times marked by `mark`, corrected by later readings; empty if indoors."""
         return []
 
     def _predict(self, left: float, right: float, sideways: float) -> None:

@@ -30,8 +30,8 @@ MIN_RANGE_SIGMA_M = 0.01
 
 
 class PoseForecast(NamedTuple):
-    """Forecast, before a drive, of how accurately the localizer will know the base's pose at the end of its
-    route.
+    """Forecast, before a drive, of how accurately the localizer will know the base's pose at the end of the
+    drive's route.
     """
 
     found: Undetermined | None

@@ -111,7 +111,9 @@ def describe_air(link: Link, wait: Callable[[], None], seconds: float, namespace
 
 
 def controller_of(name: str) -> str:
-    """Return the name of a controller's node, which is its topic or action's name without the last part."""
+    """Return the name of a controller's node, given its topic or action, such as `arm_controller` for
+    `arm_controller/joint_trajectory`.
+    """
     return name.rpartition("/")[0]
 
 

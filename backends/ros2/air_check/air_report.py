@@ -49,8 +49,8 @@ def listen(
         link: connection to the robot's topics.
         wait: function that waits for a short time, well below the period of a sensor.
         seconds: time to listen, in [s], after each topic has had a message or the wait for one has ended.
-        over: function that returns True once the recording is over from which the messages come (there the
-            robot may drive); None: the messages come from a robot, which is at rest.
+        over: function that returns True once a recording, which the messages come from and in which the robot
+            may drive, has ended; None: the messages come from a robot at rest.
 
     Raises:
         UnknownJoints: the section names joints that the arm lacks, or leaves some out.

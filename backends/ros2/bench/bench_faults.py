@@ -42,7 +42,7 @@ class TopicFault(NamedTuple):
         """Parse a fault from `KIND@TOPIC@SECONDS`; without `@SECONDS` the fault is present from the start.
 
         Raises:
-            InputError: the text is not of this form, or names no kind of fault.
+            InputError: the text is not of this form, or KIND is not one of `FAULT_KINDS`.
         """
         kind, _, rest = words.partition("@")
         topic, _, at = rest.partition("@")

@@ -51,7 +51,9 @@ class Link(Protocol):
         """Pass all messages that have arrived to the subscribed functions, without waiting for more."""
 
     def publishers(self, topic: str) -> list[str]:
-        """Return the names of all nodes that publish a topic, including this one, each with its type."""
+        """Return the names of all nodes that publish a topic, including this one, each with its message
+        type.
+        """
 
     def subscribers(self, topic: str) -> int:
         """Return the number of nodes that subscribe to a topic."""

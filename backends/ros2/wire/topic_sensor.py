@@ -20,8 +20,9 @@ class TopicSensor(LiveSensor):
     """Base class of sensors whose readings are messages of a ROS topic, processed once a period.
 
     A message is dropped if its coordinate frame is not the expected one, if it contains numbers that are not
-    finite, or if its stamp is off the present time by more than the source's `stale_ms`, or not after the
-    last stamp. If no valid message follows, the `StaleSensor` error contains the reason.
+    finite, or or if its stamp differs from the present time by more than the topic's `stale_ms` in the
+    robot's file, or is not later than the stamp before it. If no valid message follows, the `StaleSensor`
+    error contains the reason.
     """
 
     KIND: str

@@ -28,7 +28,8 @@ def transport_variables(middleware: str) -> Mapping[str, str]:
     Empty if the user has set such variables.
 
     Args:
-        middleware: name of the ROS middleware; only for `rmw_fastrtps_cpp` and its variants variables exist.
+        middleware: name of the ROS middleware; the result is empty except for `rmw_fastrtps_cpp` and its
+            variants.
     """
     if not middleware.startswith("rmw_fastrtps") or any(os.environ.get(name) for name in CHOICES):
         return {}

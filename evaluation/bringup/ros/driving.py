@@ -54,7 +54,9 @@ def command(base: Base, forward: float, turn: float, sideways: float) -> None:
 
 
 def moved(site: RosSite, before: WheelTravel, now: WheelTravel) -> Motion:
-    """Return the base's motion between two wheel readings; its turn is computed with the file's tread."""
+    """Return the base's motion between two wheel readings; the turn follows from the tread in the robot's
+    file.
+    """
     left, right = now.left - before.left, now.right - before.right
     turn = (right - left) / site.robot.drive.tread_m
     return Motion(0.5 * (left + right), now.sideways - before.sideways, turn)

@@ -192,8 +192,9 @@ class JointLag:
     def periods(self) -> float:
         """Return the lag in periods, at least 0.
 
-        NaN if the joint has not moved by the `passed` of the constructor yet, or if it moved clearly ahead of
-        the command: then something else moved it, such as an earlier command.
+        NaN if the joint has not yet moved by the distance `passed` that the constructor received. NaN also if
+        the joint moved clearly ahead of the command, because something else, such as an earlier command, then
+        moved it.
         """
         if not math.isfinite(self._read) or self._is_moved_otherwise:
             return math.nan

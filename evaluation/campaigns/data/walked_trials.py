@@ -53,7 +53,7 @@ class WalkedTrials:
         return self.trial_of(seed, self.together(number), column)
 
     def together(self, number: int) -> Walked:
-        """Return the random walks of one batch, which are the runs simulated for `side_by_side` seeds.
+        """Return the random walks of one batch, one for each of `side_by_side` consecutive seeds.
 
         Args:
             number: number of the batch; its first seed is `number * side_by_side`.

@@ -81,7 +81,8 @@ class LevelStop(RunObserver):
 def importance_of(used: Mapping[int, int], importance: Importance) -> int:
     """Return the importance of a run, a measure of how near it is to a rare outcome.
 
-    It is the number of attempts that were used up, in total or of the action with the most.
+    It is a number of used attempts: for `fails` the total over all actions, otherwise that of the action with
+    the most.
 
     Args:
         used: number of used attempts, by index of the action.

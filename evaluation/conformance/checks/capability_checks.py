@@ -57,8 +57,10 @@ def declared(bench: KitBench, finding: CheckResult) -> None:
 
 
 def readings(bench: KitBench, finding: CheckResult) -> None:
-    """Check that all readings of the robot at rest have the right shapes, and values near those of a robot at
-    rest in its posture `home`, within the limits and reaches in its file.
+    """Check the readings of the robot at rest in its posture `home`.
+
+    They must have the right shapes, agree with that posture, and lie within the limits and the lidar's range
+    that the robot's file states.
     """
     spec = bench.spec()
     with bench.rig() as rig:

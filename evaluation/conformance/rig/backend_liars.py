@@ -138,7 +138,9 @@ class WrongUnits(LayeredBackend):
 
 
 class EchoesCommands(LayeredBackend):
-    """Mutant backend whose encoders report commands, while the first joint moves half as far."""
+    """Mutant backend that reports the commanded joints as measured, while the first joint moves half as
+    far.
+    """
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)
@@ -196,7 +198,9 @@ class Undelayed(LayeredBackend):
         super().__init__(inner)
 
     def positioning_reading(self, positioning: Positioning) -> PoseReading | None:
-        """Return the delayed pose of the positioning system as if it were measured now (age 0)."""
+        """Return the delayed pose of the positioning system as if it were measured now (age 0); None without
+        one.
+        """
         reading = positioning.reading()
         return None if reading is None else reading._replace(age=0.0)
 
@@ -222,7 +226,7 @@ class FixInMillimetres(LayeredBackend):
         super().__init__(inner)
 
     def gps_fix(self, gps: Gps) -> Fix | None:
-        """Return the fix in [mm] instead of [m]."""
+        """Return the fix in [mm] instead of [m]; None if no fix arrived."""
         fix = gps.fix()
         return None if fix is None else fix._replace(position=1e3 * fix.position)
 

@@ -85,7 +85,7 @@ def _time_line(run: PastRun, chosen: PastAction | None) -> str:
 def aim_words(run: PastRun) -> Iterator[tuple[Mapping[str, Any], str]]:
     """Yield the journal's records of changes of the goal, each with a text.
 
-    These are new rounds of the task, interrupts, and goals that were abandoned.
+    Such changes are a new round of a task that is repeated, an interrupt, and a goal that was abandoned.
     """
     interrupts = run.network.network.aims.interrupts if run.network else ()
     for record in run.records:
