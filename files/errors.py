@@ -52,7 +52,7 @@ class Finding:
 
 
 class FileError(InputError):
-    """Error with all findings in a file that cannot be used, in the order of the lines."""
+    """Error for a file that cannot be used, with all problems found in it, in the order of the lines."""
 
     def __init__(self, findings: Iterable[Finding]) -> None:
         self.findings: tuple[Finding, ...] = tuple(sorted(set(findings)))
@@ -64,7 +64,7 @@ class FileError(InputError):
 
 
 class UnsafePath(InputError):
-    """Error, because a path in a file is absolute, leads out of its root folder, or is not portable."""
+    """Error for a path in a file that is absolute, leads out of its root folder, or is not portable."""
 
     def __init__(self, path: str, reason: str) -> None:
         self.path = path

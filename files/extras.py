@@ -53,7 +53,7 @@ def lack(who: str, extra: str) -> str | None:
 
 
 def is_there(module: str) -> bool:
-    """Return whether a module can be found; only its parent package is imported."""
+    """Return whether a Python module is installed; only its parent package is imported, not the module."""
     try:
         return find_spec(module) is not None
     except (ImportError, ValueError):

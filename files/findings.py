@@ -22,7 +22,7 @@ class Findings:
         self._findings.extend(findings)
 
     def take(self, error: FileError) -> None:
-        """Collect all findings of another check's error, so that later checks can still run."""
+        """Add all findings of a `FileError` that a check raised, so that later checks can still run."""
         self._findings.extend(error.findings)
 
     def __bool__(self) -> bool:

@@ -25,7 +25,7 @@ MAX_PIXELS = 25_000_000
 
 
 class Grey(NamedTuple):
-    """Grey levels of a picture, with a mask of its opaque pixels."""
+    """Grey levels (h, w) of a picture, 0 for black, with a mask of its opaque pixels."""
 
     level: ByteArray
     """Grey levels (h, w), row 0 on top; 0 is black."""

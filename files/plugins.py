@@ -21,7 +21,8 @@ def entry_points_of(group: str) -> list[EntryPoint]:
     """Return the entry points of a group in the installed packages, sorted by name.
 
     The standard library's `importlib.metadata` reads the entry points of every package, and importing it
-    takes longer than all of `handcart --help`. It is used only if an installed package has this group.
+    takes longer than all of `handcart --help`. The module is therefore imported only if an installed package
+    has this group.
     """
     if not any(_may_have(folder or ".", f"[{group}]") for folder in sys.path):
         return []

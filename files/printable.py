@@ -21,7 +21,7 @@ def _escaped(character: str) -> str:
 
 
 def clipped(text: str, longest: int = 60) -> str:
-    """Return the beginning of `text`, with dots in place of the rest."""
+    """Return `text` cut to at most `longest` characters, with dots in place of what was cut."""
     return text if len(text) <= longest else f"{text[: longest - 3]}..."
 
 

@@ -22,7 +22,7 @@ def begin_stage(words: str) -> None:
 
 @contextmanager
 def hearing_of_stages(heard: Callable[[str], None]) -> Iterator[None]:
-    """Call `heard` with the name of each stage that the program reports by `begin_stage` meanwhile."""
+    """Call `heard` with the name of each stage that `begin_stage` reports while this context is open."""
     before = _heard.set(heard)
     try:
         yield

@@ -31,7 +31,7 @@ class BrokenDomain(InputError):
 
 
 class Knowledge(NamedTuple):
-    """Declaration of a domain's knowledge (world model section), with its class and its keys in task
+    """Declaration of a domain's section of the world model: its class, and the keys of its files in task
     files.
     """
 
@@ -42,7 +42,7 @@ class Knowledge(NamedTuple):
 
 
 class Command(NamedTuple):
-    """A command of `handcart` that belongs to a domain."""
+    """Subcommand of the command line program `handcart` that a domain adds, with its help text."""
 
     function: str
     """Import path of the function that typer makes a command of."""

@@ -26,7 +26,7 @@ def named_tasks() -> dict[str, Path]:
 
 
 def task_path(given: Path | str) -> Path:
-    """Return the task file for a path or a name; an existing path wins over a name.
+    """Return the task file for a path or the name of a task; an existing file at the path is preferred.
 
     Raises:
         FileError: the argument is neither a path nor the name of a task.

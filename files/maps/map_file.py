@@ -47,7 +47,10 @@ resolved.
 
 
 class MapFile(FileModel):
-    """Map file in ROS format (map_server). Unknown keys, which other programs add, are ignored."""
+    """Content of a map's YAML file in ROS format (map_server): picture, resolution, origin and thresholds.
+
+    Unknown keys, which other programs add, are ignored.
+    """
 
     model_config = ConfigDict(extra="ignore")
 

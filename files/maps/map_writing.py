@@ -17,7 +17,7 @@ TRAJECTORY_COLUMNS = "time_s,x_m,y_m,heading_rad,xx_m2,xy_m2,yy_m2,xh_m_rad,yh_m
 
 
 def write_grid(path: Path, grid: GridMap) -> None:
-    """Write a map as a YAML file and, beside it, a PGM picture of the same name.
+    """Write a map as a YAML file in ROS format and, in the same folder, a PGM picture of the same name.
 
     Raises:
         OSError: a file cannot be written.

@@ -45,7 +45,11 @@ class SchemaWalk:
             self._definitions = {part["ref"]: part for part in schema["definitions"]}
 
     def place(self, location: tuple[str | int, ...]) -> SchemaPlace:
-        """Return the place in the file and in the schema for pydantic's location of an error."""
+        """Return the place in the file, and the schema that belongs there, for the location of an error.
+
+        Args:
+            location: keys and indexes down to the value, as in pydantic's errors (`loc`).
+        """
         place = SchemaPlace((), self.bare(self._root), _ANY)
         if location and location[-1] == "[key]":
             mapping = self.place(location[:-2])
@@ -102,7 +106,7 @@ class SchemaWalk:
         return _ANY
 
     def members(self, union: Schema) -> list[Schema]:
-        """Return the schemas that a value of a union may have."""
+        """Return the schemas of a union's alternatives; a valid value fits at least one of them."""
         choices: Any = union["choices"]
         listed = choices.values() if isinstance(choices, dict) else choices
         return [self.bare(choice[0] if isinstance(choice, tuple) else choice) for choice in listed]

@@ -105,10 +105,12 @@ def read_document(path: Path | str, *, max_bytes: int = MAX_BYTES, max_nodes: in
 
 @contextmanager
 def changed_numbers(changes: Changes) -> Iterator[None]:
-    """Replace numbers in all files that are read inside this context, as a campaign does in each trial.
+    """Replace numbers in all files that are read inside this context.
+
+    A campaign (many trials with random values) changes the numbers of each trial in this way.
 
     Args:
-        changes: replacements, in place of those of an outer context.
+        changes: new numbers by file and key path; those of an outer context do not apply meanwhile.
     """
     token = _CHANGES.set(changes)
     try:

@@ -14,7 +14,7 @@ NO_CORNERS = np.empty((0, 2))
 
 
 class Footprint(NamedTuple):
-    """Outline of a base in the base frame."""
+    """Outline of a base on the floor, a disc or a polygon around the origin of the base frame."""
 
     radius: float
     """Radius of the circle around the origin that contains the outline, in [m]."""
@@ -32,7 +32,9 @@ class Footprint(NamedTuple):
         return self.radius if self.is_disc else -polygon_distance(self.corners, 0.0, 0.0)
 
     def distances(self, points: FloatArray) -> FloatArray:
-        """Return the signed distances (m,) of points (m, 2) in the base frame, in [m]; negative inside."""
+        """Return the signed distances (m,), in [m], of points (m, 2) in the base frame to the outline;
+        negative inside.
+        """
         if self.is_disc:
             return np.asarray(np.hypot(points[:, 0], points[:, 1]) - self.radius)
         return np.asarray(polygon_distances(self.corners, np.ascontiguousarray(points, dtype=np.float64)))

@@ -20,7 +20,7 @@ _TINY = 1e-10  # [rad] below which a turn is its own sine
 
 
 class TipScrews(NamedTuple):
-    """Joints that move a tip, as a product of exponentials.
+    """Axes of the joints that move the tip of an arm, for forward kinematics as a product of exponentials.
 
     The frame is the root of the model: Lynch and Park, Modern Robotics (2017), chapter 4. Of the arm's n
     joints and their followers, k move the tip.
@@ -56,7 +56,7 @@ def tip_screws(
     offsets: FloatArray,
     limits: tuple[FloatArray, FloatArray],
 ) -> TipScrews:
-    """Return the joints of a model of Pinocchio that move a frame.
+    """Return the axes of those joints of a model of Pinocchio that move one of its frames, the arm's tip.
 
     Args:
         model: model whose joints have one degree of freedom each.
@@ -253,7 +253,9 @@ def descend(screws: TipScrews, root_T_target: FloatArray, q: FloatArray) -> bool
 def nearest_of_groups(
     screws: TipScrews, root_T_target: FloatArray, postures: FloatArray, best: IntArray
 ) -> None:
-    """Write the number of that posture of each group at which the tip is nearest to a pose into `best`.
+    """Find in each group of postures the one whose tip is nearest to a pose; write its index into `best`.
+
+    In the distance between the tip and the pose, 1 rad of turn counts as 1 m.
 
     Args:
         screws: joints that move the tip.

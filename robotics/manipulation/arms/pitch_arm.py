@@ -40,7 +40,7 @@ class PitchArm(NamedTuple):
     """Lowest and highest angles of the pitch joints, in [rad]."""
 
     def scores(self, bases: FloatArray, path: ToolPath, rule: ScoreRule) -> PlacementScores:
-        """Return the scores of a path's points from base poses.
+        """Return how well the arm can work at each point of a path from each base pose, as scores.
 
         Args:
             bases: (b, 3) world_T_base on the floor: x, y in [m], heading in [rad].

@@ -11,7 +11,9 @@ from handcart.robotics.numerics.arrays import BoolArray, IndexArray, SingleArray
 
 
 class PlacementScores(NamedTuple):
-    """Scores of b base poses x p points of a path.
+    """Scores of b base poses (placements) at p points of a path: how well the arm can work there.
+
+    Higher is better; a mask marks the base poses from which the arm reaches a point within its limits.
 
     The arrays are stored in column order: the values of all base poses for one point are contiguous in
     memory.
@@ -25,13 +27,16 @@ class PlacementScores(NamedTuple):
     """(b, p-1) True where the arm gets from a point to the next without a jump; None if it always does."""
 
     def without(self, blocked: BoolArray) -> PlacementScores:
-        """Return the scores without the placements whose mask `blocked` (b,) is True."""
+        """Return the scores with placements (base poses) marked as not usable where `blocked` (b,) is
+        True.
+        """
         return self.restricted(self.usable & ~blocked[:, None])
 
     def restricted(self, usable: BoolArray) -> PlacementScores:
         """Return the scores with another mask `usable` (b, p); the score is 0 where the mask is False.
 
-        The mask replaces the present mask, and has to be False wherever the present mask is.
+        Rows are b base poses, columns p points of the path. The new mask replaces the present one, and has to
+        be False wherever the present one is False.
         """
         usable = np.asfortranarray(usable)
         return self._replace(values=np.where(usable, self.values, np.float32(0.0)), usable=usable)

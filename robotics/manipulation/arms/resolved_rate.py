@@ -28,7 +28,9 @@ class RateLimits(NamedTuple):
 
 
 class ResolvedRate:
-    """Controller that moves the tip of a SCARA arm along a straight line, by Whitney's (1969) resolved rates.
+    """Controller that moves the tip of a SCARA arm along a straight line, by resolved rates (Whitney, 1969).
+
+    Joint rates are computed from the tip's wanted velocity by the inverse of the Jacobian.
 
     The Jacobian is taken at the middle of each period. The tip accelerates and brakes along the line; its
     distance from the line is driven to zero. If a joint reaches its maximum rate, the tip becomes slower but

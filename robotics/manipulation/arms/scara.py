@@ -85,13 +85,13 @@ class Scara(NamedTuple):
         )
 
     def inverse(self, target: FloatArray) -> FloatArray | None:
-        """Return the angles that hold the tip at a position; None beyond reach or limits.
+        """Return the angles theta1 and theta2 that hold the tip at a position.
 
         Args:
             target: (2,) in the arm's plane, from the first joint, in [m].
 
         Returns:
-            (2,) in [rad].
+            (2,) in [rad]; None if the position is out of reach or needs angles beyond the joint limits.
         """
         x, y = float(target[0]), float(target[1])
         cos = (x * x + y * y - self.upper**2 - self.fore**2) / (2.0 * self.upper * self.fore)
@@ -171,7 +171,7 @@ def world_to_base(pose: Pose2, tilt: tuple[float, float], point: FloatArray) -> 
     """Transform a point (3,) from the world into the frame of a tilted base on the ground, in [m].
 
     The tilt matters: on a base that is tilted by 2.5 degrees, a slide that is lowered by 0.4 m ends 17 mm
-    beside the point below it.
+    away from the point that is vertically below its upper end.
 
     Args:
         pose: world_T_base on the ground.

@@ -137,15 +137,16 @@ def pose_error(pose: FloatArray, target: FloatArray, free: int, error: FloatArra
 
 @compiled
 def without_free(pose: FloatArray, free: int, rows: FloatArray) -> None:
-    """Remove the rotation about the task's free axis from the columns of a Jacobian or from a twist, in
-    place.
+    """Remove the rotation about the axis that the task leaves free from a Jacobian's columns or from a twist.
+
+    The array is changed in place.
 
     Args:
         pose: (4, 4) base_T_tip.
         free: 1 if the azimuth about the z of the base is free, 2 if the turn about the x of the tool is free,
             0 if neither is.
         rows: (6, k) in the axes of the base: three rows of translation in [m], three of rotation in [rad];
-            changed.
+            overwritten.
     """
     if free == 0:
         return

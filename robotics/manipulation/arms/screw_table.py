@@ -21,7 +21,7 @@ _JUMP = 0.5  # [rad] of a joint between two points of a path: another branch
 
 
 class StartPool(NamedTuple):
-    """Joint postures, with their tip poses, at which iterations of the inverse kinematics start."""
+    """Random joint postures of an arm, with their tip poses, at which inverse kinematics starts."""
 
     postures: FloatArray
     """(m, n) joint angles, in [rad]."""
@@ -119,14 +119,14 @@ def _turned(pose: FloatArray, target: FloatArray, free: int) -> float:
 
 @compiled
 def nearest_starts(poses: FloatArray, target: FloatArray, free: int, scale: float, chosen: IntArray) -> None:
-    """Write the indices of the poses nearest to a target into `chosen` (k,), nearest first.
+    """Find the k poses of an arm's tip that are nearest to a target; write their indices into `chosen`.
 
     Args:
         poses: (m, 4, 4) base_T_tip.
         target: (4, 4) wanted base_T_tip.
         free: 1 if the tool's azimuth is free, 2 if its turn about its own x axis is free, 0 if neither is.
         scale: distance that counts as much as a turn of one radian, in [m].
-        chosen: (k,) row numbers in `poses`, written.
+        chosen: (k,) row numbers in `poses`, written; the nearest comes first.
     """
     nearest = np.full(len(chosen), np.inf)
     for index in range(len(poses)):
@@ -147,7 +147,7 @@ def nearest_starts(poses: FloatArray, target: FloatArray, free: int, scale: floa
 def tool_rates(
     pose: FloatArray, jacobian: FloatArray, twist: FloatArray, free: int, rates: FloatArray
 ) -> float:
-    """Write the joint motions for each metre of path into `rates`; return the manipulability.
+    """Write the joint motions for each metre of path into `rates`; return Yoshikawa's manipulability.
 
     The manipulability is 0 in a singular posture. For a redundant arm, the joint motion is that of least
     squares; with just one redundant joint, it is the motion whose largest joint rate is least.

@@ -87,7 +87,7 @@ class DoorJoint(NamedTuple):
         return math.atan2(step[1], step[0])
 
     def opening_of(self, handle: Transform) -> float:
-        """Return the opening at a pose of the handle, in [rad], or in [m] for a slide.
+        """Return how far the door is open if its handle is at a pose: in [rad], or in [m] for a slide.
 
         For a hinge, the opening is computed from the handle's orientation, for a slide from its position.
 

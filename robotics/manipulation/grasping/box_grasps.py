@@ -37,7 +37,7 @@ class Grasp(NamedTuple):
 def box_grasps(
     size: tuple[float, float, float], opening: float, tip: float, faces: Collection[str] | None = None
 ) -> Iterator[Grasp]:
-    """Yield hand poses that grip a box, the poses with the hand at a right angle to a side first.
+    """Yield hand poses that grip a box; first those with the hand at a right angle to a side.
 
     The fingers close on two opposite sides of the box. The hand approaches one of the other sides, but not
     the bottom, at a right angle or tilted about the closing direction.

@@ -28,7 +28,8 @@ class CollisionModel:
     change; create another one when the hand takes something.
 
     Args:
-        arm: the arm; its fingers are where it states (`ArmModel.with_others`).
+        arm: the arm; joints outside the arm, such as fingers, stay at the positions set in its model
+            (`ArmModel.with_others`).
         obstacles: bodies posed in the frame world.
         held: a body posed in the frame of the arm's tip, or None.
         world_T_base: (4, 4) pose of the arm's base link in the frame of the obstacles; None: the same

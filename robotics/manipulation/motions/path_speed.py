@@ -22,7 +22,8 @@ def highest_speed(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the highest possible speed along a joint path as a function of arc length, from rest to rest.
 
-    Source: TOPP-RA, Pham and Pham 2018.
+    It is computed by TOPP-RA (Pham and Pham 2018), which limits the speed in one backward and one forward
+    pass.
 
     Args:
         rounded: the path, in [rad] or [m].

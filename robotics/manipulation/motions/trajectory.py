@@ -21,8 +21,9 @@ def time_path(
 
     There is one set-point for each `period`.
 
-    The path is followed as fast as the limits allow: its corners are rounded by arcs, then its speed is
-    chosen by TOPP-RA (Pham and Pham 2018). At corners where the path reverses its direction the arm stops.
+    The path is followed as fast as the limits allow: its corners are rounded by arcs, then TOPP-RA (Pham and
+    Pham 2018) computes the highest speed along it that keeps the limits. At corners where the path reverses
+    its direction the arm stops.
 
     Args:
         path: waypoints (m, n) joined by straight lines, in [rad] or [m].

@@ -36,8 +36,9 @@ class Leg(NamedTuple):
 def level_with(start: Pose2, points: FloatArray) -> FloatArray:
     """Return poses (p, 3) of a base that drives straight from `start` while its arm follows a path.
 
-    At each point of the path the base has come as far as the path has, measured along the base's heading; if
-    the path leads backwards, the base drives backwards. Poses are x, y in [m] and heading in [rad].
+    While the arm goes from the path's first point to another point, the base drives as far as that point is
+    ahead, along the base's heading. If the path leads backwards, the base drives backwards. Poses are x, y in
+    [m] and heading in [rad].
 
     Args:
         start: world_T_base at the first point.
@@ -70,8 +71,8 @@ def place_alongside(
     """Return straight drives of the base along a path, as few as possible, each for an equal part of the
     path.
 
-    The score at each point is that of an arm whose base is at rest where the driving base passes this point.
-    The arm alone is therefore fast and strong enough for the work, without the base's motion.
+    The score at each point is computed as if the base stood still where it passes this point. The arm alone
+    is therefore fast and strong enough for the work, without the base's motion.
 
     Args:
         placer: planner of base poses for the arm and its work.

@@ -192,14 +192,15 @@ class BaseScorer:
 
     def followed(self, base: FloatArray, path: ToolPath) -> FloatArray:
         """Return joint angles (p, n), in [rad], at the p points of a path; check that the arm also reaches
-        the path from base poses a few millimetres beside `base`.
+        the path from base poses a few millimetres away from `base`.
 
         Args:
             base: (3,) world_T_base: x, y in [m], heading in [rad].
             path: path of the tool in the world.
 
         Raises:
-            Untrackable: the arm can't follow the path from `base`, or from one of the poses beside it.
+            Untrackable: the arm can't follow the path from `base`, or from one of the poses a few millimetres
+                away.
         """
         angles = self.joints(base, path)
         self._check_around(base, path)

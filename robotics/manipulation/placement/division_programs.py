@@ -16,11 +16,12 @@ from handcart.robotics.numerics.compiled import compiled, compiled_for
 def layers(
     values: SingleArray, usable: BoolArray, joined: BoolArray, steps: FloatArray, count: int
 ) -> IntArray:
-    """Return each step's placement in the division with the greatest integral of the score.
+    """Return the base pose (placement) for each step of a path, so that the integral of the score is
+    greatest.
 
     The result (p-1,) holds column numbers of `values`. A step leads from a point of the path to the next, and
-    is tracked from one base pose, its placement. At least one division into at most `count` placements must
-    exist.
+    is tracked from one placement. There has to be at least one solution with at most `count` placements in a
+    row.
 
     Args:
         values: (p, b) scores of points from placements, from 0 to 1.
@@ -74,10 +75,12 @@ def _backwards(stays: BoolArray, tops: FloatArray, holders: IntArray) -> IntArra
 def cheapest_layers(
     values: SingleArray, usable: BoolArray, joined: BoolArray, steps: FloatArray, cost: float
 ) -> IntArray:
-    """Return each step's placement in the division with the greatest value, as (p-1,) columns of `values`.
+    """Return the base pose (placement) for each step of a path that gives the greatest value.
+
+    The result (p-1,) holds column numbers of `values`.
 
     The value is the integral of the score along the path, less `cost` for each change of the base pose. A
-    step leads from a point of the path to the next, and is tracked from one base pose, its placement.
+    step leads from a point of the path to the next, and is tracked from one placement.
 
     Args:
         values: (p, b) scores of points from placements, from 0 to 1.
@@ -120,9 +123,8 @@ def farthest_run(usable: BoolArray, joined: BoolArray, first: int) -> tuple[int,
     """Return the placement (base pose) that tracks the longest part of a path that begins at the point
     `first`.
 
-    The last point of this part is returned, too.
-
-    If no placement reaches the point after `first`, -1 and `first` are returned.
+    The result is the column of this placement and the index of the last point of the part. If no placement
+    reaches the point after `first`, the result is -1 and `first`.
 
     Args:
         usable: (p, b) True where a placement reaches a point.

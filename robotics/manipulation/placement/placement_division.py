@@ -28,7 +28,7 @@ class PathSegment(NamedTuple):
 
 
 class Division(NamedTuple):
-    """Division of a path into segments, each tracked from one pose of the base, with its total score."""
+    """Division of a path into segments, each tracked from one base pose, with the integral of the score."""
 
     segments: tuple[PathSegment, ...]
     score: float

@@ -26,7 +26,7 @@ _FINEST = 1e-3  # of the first radius
 
 
 class Refinement(NamedTuple):
-    """Division of a path after its base poses were moved off the search grid to increase the score."""
+    """Division of a path among base poses that were moved off the search grid to increase the total score."""
 
     bases: FloatArray
     """(k, 3): one for each segment, x and y in [m], heading in [rad]."""

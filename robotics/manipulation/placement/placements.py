@@ -34,7 +34,7 @@ class Placements(NamedTuple):
 
     @property
     def score(self) -> float:
-        """Integral of the score over the length of the path, in [m], which is the sum of the placements'
-        scores.
+        """Sum of the placements' scores, in [m]: the integral over the path's length of the score (0 to 1) of
+        the arm at each point.
         """
         return sum(self.scores)

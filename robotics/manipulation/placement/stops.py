@@ -44,7 +44,9 @@ _NO_SIGHT = "is reached only from where no landmark can be looked at"
 
 
 class Goal(NamedTuple):
-    """Task of the hand at one place, with a motion to make and motions that must also be possible there."""
+    """Task of the hand at one place: the motion to make there, and other motions that must be possible
+    too.
+    """
 
     work: ToolPath
     """Motion of the hand at the goal, along which a stop is scored."""
@@ -80,8 +82,8 @@ class StopTable(NamedTuple):
 
     @property
     def usable(self) -> BoolArray:
-        """Return a mask (b, n) of base poses and goals, True where the arm reaches all motions and sees a
-        landmark.
+        """Return a mask (b, n), True where the arm reaches all motions of a goal from a base pose, and a
+        landmark is visible.
         """
         sighted = np.asarray(self.sights.any(axis=1))
         return np.asarray(self.served & sighted[:, None])

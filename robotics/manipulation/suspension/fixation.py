@@ -27,7 +27,7 @@ class StopRule(NamedTuple):
 
         Args:
             planned: (4, 4) camera_T_landmark of the plan.
-            seen: (4, 4) camera_T_landmark as seen.
+            seen: (4, 4) camera_T_landmark as measured in a picture.
         """
         x, y = (seen[:2, 3] - planned[:2, 3]).tolist()
         return (
@@ -50,7 +50,9 @@ PAPER_RULE = StopRule(0.0005, 0.2)
 
 
 class PlannedView(NamedTuple):
-    """View of a landmark as planned, from a base at its planned pose (relation A of Hatano et al., 2000).
+    """Planned poses of hand, camera and landmark for one base pose (relation A of Hatano et al., 2000).
+
+    The landmark's measured pose in the camera then gives the errors of the camera and of the base.
 
     Frames of the paper: M0 is the planned base and M the actual base, 6 the hand, C the camera, P0 the
     landmark, W the world; 60 and C0 are hand and camera as planned, M~_T_60 is `next_hand`. The equations,

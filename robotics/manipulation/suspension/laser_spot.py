@@ -63,10 +63,12 @@ def spot_on_wall(world_T_base: Transform, base_T_laser: Transform, world_T_wall:
 def turned(shift: SpotShift, distance: float) -> tuple[float, float]:
     """Return the turn of a laser's beam to the left and up, in [rad], computed from the shift of its spot.
 
-    The wall is at right angles to the beam.
+    The wall is assumed to be at right angles to the beam. The laser's own motion is neglected, as in Hatano
+    et al. (2000).
 
-    `distance` is from the laser to the wall, in [m]. The laser's own motion is neglected, as in Hatano et al.
-    (2000).
+    Args:
+        shift: motion of the spot on the wall, in [m].
+        distance: distance from the laser to the wall, in [m].
     """
     return float(np.arctan2(shift.left, distance)), float(np.arctan2(shift.up, distance))
 

@@ -34,7 +34,7 @@ class Swing(NamedTuple):
 
 
 class Sighting(NamedTuple):
-    """Landmark as the camera sees it after a motion of the arm from the reference posture."""
+    """Pose of a landmark as measured by the camera after a motion of the arm from the reference posture."""
 
     swing: Swing
     corners: FloatArray
@@ -44,7 +44,7 @@ class Sighting(NamedTuple):
 
 
 class SuspensionFit(NamedTuple):
-    """Identified suspension model with its accuracy."""
+    """Suspension model fitted to sightings of landmarks, with the accuracy of its parameters."""
 
     model: SuspensionModel
     sigmas: SuspensionModel

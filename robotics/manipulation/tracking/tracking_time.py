@@ -23,7 +23,7 @@ from .tracking_limits import ArmLoad, LimitUse
 
 
 class TimedTracking(NamedTuple):
-    """Set-points of the arm along a path, one each control period; the arm is at rest at both ends."""
+    """Joint angles of an arm along a path, one set-point each control period; the arm rests at both ends."""
 
     set_points: FloatArray
     """Joint angles (k, n), one row each period, in [rad]."""
@@ -51,9 +51,9 @@ def time_tracking(
 ) -> TimedTracking:
     """Return timed set-points along a path.
 
-    The angles are joined by a cubic spline over the arc length; speed along it is chosen by TOPP-RA (Pham and
-    Pham 2018) and then checked at each set-point: if differences of set-points still break a limit, the
-    complete motion is slowed down.
+    The angles are joined by a cubic spline over the arc length; TOPP-RA (Pham and Pham 2018) computes the
+    highest speed along the spline that keeps the limits. If differences of the set-points still exceed a
+    limit, the complete motion is slowed down.
 
     Args:
         arm: arm model.

@@ -8,7 +8,9 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class BeaconErrors(NamedTuple):
-    """Positions of radio beacons and of the robot's radio, and standard deviations of the measured ranges."""
+    """Known positions of radio beacons and of the robot's radio, and standard deviations of measured
+    ranges.
+    """
 
     places: FloatArray
     """(k, 3) of the beacons: world's x, y, and height above the ground, in [m]."""

@@ -42,8 +42,8 @@ BIAS_PERIOD = 1.0  # [s] at rest over which the gyro is averaged into one readin
 class BeaconFilter(FieldLocalizer):
     """Extended Kalman filter that localizes a base by wheels, gyro and ranges to radio beacons.
 
-    The state also contains the errors of wheels and gyro as in `FieldModel`, a bias of each beacon, and a
-    scale error of all ranges (augmented state: Friedland, 1969).
+    Besides the pose, the state contains the errors of wheels and gyro (see `FieldModel`), a bias of each
+    beacon's ranges and a scale error of all ranges; so these errors are estimated, too (Friedland, 1969).
 
     Because the start is known, the first ranges determine the biases; later ranges determine the position. A
     range is rejected if it differs from the expected range by more than its covariance allows. If all ranges

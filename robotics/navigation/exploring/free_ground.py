@@ -34,9 +34,10 @@ def with_driven(grid: GridMap, poses: Sequence[Pose2], radius: float) -> GridMap
 
 
 def with_gaps_closed(grid: GridMap) -> GridMap:
-    """Return a map in which unknown spots narrower than `GAP_M`, with free cells around them, are free.
+    """Return a copy of a map in which small unknown spots, surrounded by free cells, are set free.
 
-    Unknown spots next to occupied cells stay unknown, because they may be inside a wall.
+    Small spots are narrower than `GAP_M`. Unknown spots next to occupied cells stay unknown, because they may
+    be inside a wall.
     """
     steps = math.ceil(0.5 * GAP_M / grid.resolution)
     open_ = (~grid.occupied).astype(np.uint8)

@@ -74,8 +74,8 @@ def find_border(
         left_radius: radius of the regions around these points, in [m].
 
     Returns:
-        Frontiers outside the regions around `left`, and the number of cells of the complete border between
-            free and unknown ground, also counted by kind.
+        Frontiers outside the regions around `left`, and numbers of cells of the border between free and
+            unknown ground: all, passable for the robot, in parts too short, and around each point of `left`.
     """
     free = ~grid.blocked
     row, column = _clipped(grid, here)

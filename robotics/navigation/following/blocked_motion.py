@@ -35,7 +35,9 @@ class _Period(NamedTuple):
 
 
 class Blocked(NamedTuple):
-    """Evidence that a base does not move although its drive is commanded to move it."""
+    """Evidence that a base does not move although its drive is commanded to: its pose, and the distances
+    commanded, rolled by the wheels and moved by the base.
+    """
 
     pose: Pose2
     """Estimated map_T_base where the base is blocked; it may have rebounded since."""
@@ -67,8 +69,8 @@ class BlockedMotion:
     """Detector of a blocked base, which compares commanded and measured motion in a sliding window of time.
 
     The window is the shortest in which the base was commanded to move by `MIN_COMMANDED_M` in one direction.
-    Motion slower than `MIN_COMMANDED_M` in `LONGEST_WINDOW_S` is not judged, because it is below the noise of
-    the pose.
+    If that takes longer than `LONGEST_WINDOW_S`, nothing is reported, because such slow motion is below the
+    noise of the pose.
     """
 
     def __init__(self, period: float, confirming: int = CONFIRMING_PERIODS) -> None:

@@ -30,9 +30,9 @@ class BlockedWheels:
     """Detector of a base blocked at a wheel, which compares each wheel's command with the base's motion
     there.
 
-    The motion is taken from the estimated pose. If a base is blocked while it is commanded to turn on the
-    spot, the distance ahead does not show that, because it is 0 anyway. A base that is blocked at one side
-    turns around that side.
+    The motion is taken from the estimated pose. While a base is commanded to turn on the spot, its distance
+    ahead is 0 whether it is blocked or not, so each wheel is compared alone. A base that is blocked at one
+    side turns around that side.
     """
 
     def __init__(self, period: float, tread: float) -> None:

@@ -66,7 +66,7 @@ class FootprintGuard:
     def may_stand_at(self, pose: Pose2) -> None:
         """Accept one more pose map_T_base at which the robot may stand however near mapped obstacles are.
 
-        Motions that come no nearer to them than this pose are then allowed.
+        Motions that come no nearer to mapped obstacles than this pose are then allowed.
         """
         self._stands += (_Stand(pose, (self._map_room(pose), math.inf)),)
 

@@ -33,10 +33,10 @@ MAX_CLOSING_PERIODS = 12  # within `CLOSING_DISTANCE_M`: a base that is held the
 class PathTracker:
     """Controller that drives a base along a route to its end, and turns it to the goal's heading there.
 
-    The reference is the point of the route nearest to the robot, but never behind an earlier reference. It
-    does not move with time, so a robot that is slow, held or pushed does not fall behind it. The base turns
-    in place where its heading is far off the route's, and slows down in curves and before the end. A
-    `PoseRegulator` drives the last centimetre and the final turn.
+    Errors are measured at the point of the route that is nearest to the robot, but never behind an earlier
+    such point. This point does not move with time, so a robot that is slow, held or pushed does not fall
+    behind it. The base turns in place where its heading is far off the route's, and slows down in curves and
+    before the end. A `PoseRegulator` drives the last centimetre and the final turn.
     """
 
     def __init__(

@@ -70,7 +70,9 @@ class PoseRegulator:
         self._stop = goal
 
     def finished(self, pose: Pose2) -> bool:
-        """Return True if the robot is at rest at the goal, within tolerance."""
+        """Return True if the robot is at rest at the goal pose, within the tolerances of position and
+        heading.
+        """
         return (
             self._ramp.at_rest and self._aligned(pose) and pose.distance(self.goal) <= self.tolerance.position
         )

@@ -61,12 +61,15 @@ class PurePursuit:
         return self._pace(pose, speed, dt), self._steer(pose)
 
     def astray(self, pose: Pose2) -> float:
-        """Return the distance in [m] of the car from the path's point up to which it has made progress."""
+        """Return how far the car is off its path: its distance, in [m], from the path's point that it has
+        reached.
+        """
         return float(np.hypot(*(self._poses[self._at, :2] - pose[:2])))
 
     def advance(self, pose: Pose2) -> None:
-        """Move the progress on the path to the point nearest to the car, at most `SEARCH_AHEAD_M` ahead,
-        never back.
+        """Set the reached point of the path to the point nearest to the car.
+
+        The reached point moves by at most `SEARCH_AHEAD_M` ahead, and never back.
         """
         end = int(np.searchsorted(self._along, self._along[self._at] + SEARCH_AHEAD_M, side="right"))
         away = np.hypot(*(self._poses[self._at : end, :2] - pose[:2]).T)

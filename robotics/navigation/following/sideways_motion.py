@@ -86,7 +86,13 @@ class SidewaysRegulator(PoseRegulator):
 
 
 def speed_towards(x: float, y: float, limits: DriveLimits) -> float:
-    """Return the maximum speed in [m/s] along a vector (x, y) of any length in the base frame."""
+    """Return the maximum speed, in [m/s], at which a base may drive along a direction in the base frame.
+
+    Args:
+        x: component ahead of a vector along the direction, of any length.
+        y: component to the left of this vector.
+        limits: limits of the base.
+    """
     size = math.hypot(x / limits.speed, y / limits.sideways)
     return limits.speed if size == 0.0 else math.hypot(x, y) / size
 

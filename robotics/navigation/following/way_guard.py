@@ -40,7 +40,7 @@ class HoldingObstacle(NamedTuple):
 
     @property
     def words(self) -> str:
-        """Description of the obstacle for people."""
+        """Text for messages that says where the obstacle is and by what it was noticed."""
         if self.shown_by == "unseen":
             there = f"the lidar does not see the ground at ({self.x:.2f}, {self.y:.2f}) m"
             return f"{there}, and the base did not just drive there"

@@ -97,8 +97,10 @@ class KeyframeLayer:
         return True
 
     def match(self, points: FloatArray, prior: Pose2, sigma: float) -> LayerMatch | None:
-        """Match a scan with the keyframes; None if no keyframe is near, or less than the share `MIN_INLIERS`
-        of its points matches.
+        """Return the pose at which a scan fits the keyframes best.
+
+        The result is None if no keyframe is near, or if less than the share `MIN_INLIERS` of the scan's
+        points fits.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].

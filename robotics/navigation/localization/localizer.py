@@ -66,12 +66,12 @@ class Localizer(ABC):
 
     @property
     def odometry(self) -> Odometry:
-        """Corrected odometry of the wheels."""
+        """Pose with covariance that is moved by the wheels' travel and corrected by other measurements."""
         return self._odometry
 
     @property
     def looks(self) -> bool:
-        """True if the localizer uses scans."""
+        """True if the localizer compares lidar scans with a map or with earlier scans."""
         return True
 
     @property
@@ -129,7 +129,7 @@ class Localizer(ABC):
 
     @abstractmethod
     def correct(self, points: FloatArray) -> bool:
-        """Correct the pose by scan points (n, 2), in the base frame in [m]; False if it is left unchanged."""
+        """Correct the pose by scan points (n, 2) in the base frame, in [m]; return whether it was changed."""
 
 
 class ScanLocalizer(Localizer):
@@ -224,7 +224,7 @@ class ScanLocalizer(Localizer):
 
     @property
     def map_error(self) -> FloatArray:
-        """Part (3, 3) of `covariance` by the map's error, x, y on the map in [m] and heading in [rad].
+        """Part of `covariance`, (3, 3) in [m, m, rad] along the map's axes, that comes from the map's errors.
 
         This error is the same in all poses that are measured at one place.
         """
@@ -300,10 +300,10 @@ class ScanLocalizer(Localizer):
         return True
 
     def check_start(self, beams: ScanBeams) -> StartFit:
-        """Check the stated start by the first scan, in comparison with all other places of the map.
+        """Check by the first scan whether the base is at the pose where it was said to start.
 
-        If the scan fits better at exactly one other place, within `PLAUSIBLE_M` and with the share `SURE_FIT`
-        of its beams, the pose is set to that place. After any other better fit `misplaced` is set.
+        If the scan fits clearly better at exactly one other place, within `PLAUSIBLE_M`, the pose is set to
+        that place. After any other clearly better fit the attribute `misplaced` becomes True.
         """
         noise = math.hypot(self._sigma, CELL_SIGMA * self._field.map.resolution)
         fit = check_start(self._field, beams, self.pose, noise)

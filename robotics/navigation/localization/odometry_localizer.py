@@ -122,7 +122,8 @@ class OdometryLocalizer(Localizer):
 
     @property
     def unchecked(self) -> bool:
-        """True if the base has driven since the pose was last compared with a scan, or it never was compared.
+        """True if the base has driven since the pose was last compared with a scan, or if there was no
+        comparison.
 
         False without a map.
         """
@@ -176,13 +177,13 @@ class OdometryLocalizer(Localizer):
         self._odometry.correct(pose, (np.eye(3) - gain) @ own)
 
     def find_again(self, points: FloatArray) -> bool:
-        """Return whether the base was moved while its wheels were at rest, so that its last two scans fit at
-        two places.
+        """Return whether the base was moved while its wheels were at rest: its last two scans fit different
+        places.
 
         The motion between these places is added to the pose.
 
         Args:
-            points: (n, 2) of the scan in the base frame, in [m].
+            points: (n, 2) end points of the scan in the base frame, in [m].
         """
         if self._field is None or len(points) < FEWEST_POINTS:
             return False

@@ -49,7 +49,8 @@ class UnmappedSurroundings:
     def contradicts(self, points: FloatArray, pose: Pose2) -> bool:
         """Return whether so many beams of a scan pass through walls of the map that the pose must be wrong.
 
-        A share of `MAX_THROUGH_SHARE` may do so, because objects on the map may have been removed.
+        Up to the share `MAX_THROUGH_SHARE` of the beams may pass through walls, because objects on the map
+        may have been removed.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].

@@ -63,7 +63,7 @@ def matching_noise(field: LikelihoodField, sigma: float) -> float:
 
 
 def thinned(beams: ScanBeams, most: int = MAX_BEAMS) -> ScanBeams:
-    """Return a scan with at most `most` beams, evenly chosen."""
+    """Return a scan with at most `most` of its beams, chosen at even steps."""
     if len(beams.angles) <= most:
         return beams
     chosen = np.linspace(0, len(beams.angles) - 1, most).astype(np.int64)

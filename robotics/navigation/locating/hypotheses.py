@@ -110,7 +110,9 @@ class Hypotheses:
 
     @property
     def is_unique(self) -> bool:
-        """True if only one hypothesis is still likely, and the map explains the scans at its poses."""
+        """True if only one hypothesis of the base's pose is still likely, and the scans agree with the map
+        there.
+        """
         return self.is_explained and len(self.alive) == 1
 
     def _needs_search(self, likely: FloatArray) -> bool:

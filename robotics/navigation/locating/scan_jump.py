@@ -39,9 +39,13 @@ class ScanJump:
         """Share of the last scan's beams that differ from those of the reference."""
 
     def roll(self, left: float, right: float, tread: float, sideways: float = 0.0) -> None:
-        """Add a period's travel of the left and right wheels, and the travel to the left, in [m].
+        """Add the travel of the wheels in a period, by which an earlier scan is moved before the comparison.
 
-        `tread` is the distance between the wheels, in [m].
+        Args:
+            left: travel of the left wheels, in [m].
+            right: travel of the right wheels, in [m].
+            tread: distance between the left and right wheels, in [m].
+            sideways: travel to the left, in [m].
         """
         self._moved = self._moved.compose(rolled_motion(left, right, sideways, tread))
 

@@ -108,7 +108,8 @@ class WheelCheck:
     def take(self, beams: ScanBeams) -> Contradiction | None:
         """Compare a scan with the earlier ones; return the base's pose if the scans contradict the wheels.
 
-        None if they do not. After a contradiction, later scans are compared with this scan.
+        The result is None if scans and wheels agree. After a contradiction, later scans are compared with
+        this scan.
         """
         if same_ranges(self._last, beams.ranges):
             return None  # an old scan given again
@@ -207,9 +208,7 @@ class Baseline:
 
     @property
     def is_complete(self) -> bool:
-        """True if the wheels have moved by the given `way` or `turn` since the reference scan, so that the
-        next scan may replace it.
-        """
+        """True if the wheels have moved so far since the reference scan that the next scan may replace it."""
         return self._has_moved(*self._complete)
 
     def _has_moved(self, way: float, turn: float) -> bool:
@@ -217,8 +216,10 @@ class Baseline:
         return rolled > way or abs(self._right - self._left) > turn * self._tread
 
     def fits_elsewhere(self, beams: ScanBeams) -> bool:
-        """Return whether a scan fits the reference scan better by more than `CLEAR_DIFFERENCE` if something
-        held the base, or one of its wheels, than if the base moved as its wheels turned.
+        """Return whether a scan shows that the base, or one of its wheels, was probably held.
+
+        That is so if the scan fits the reference scan better, by more than `CLEAR_DIFFERENCE`, at the pose of
+        a held base than at the pose that the wheels have measured.
         """
         own = self._disagreement(beams, self._moved)
         if own <= CLEAR_DIFFERENCE:

@@ -101,7 +101,7 @@ class KeyframeGraph:
 
     @property
     def rejected(self) -> Counter[str]:
-        """Number of pairs of keyframes whose latest closure was rejected, by reason."""
+        """Number of pairs of keyframes whose last candidate for a loop closure was rejected, by reason."""
         return Counter(reason for reason in self._last_reason.values() if reason)
 
     def search(self, heard: Heard = ignore_stage, since: int = 0) -> None:
@@ -129,9 +129,10 @@ class KeyframeGraph:
             self.optimize()
 
     def refine(self, heard: Heard = ignore_stage) -> None:
-        """Search again for closures between all keyframes that see the same place, and optimize the poses.
+        """Search again for loop closures between all keyframes that see the same place, and optimize the
+        poses.
 
-        The new closures replace the earlier ones. If there is no closure yet, nothing changes.
+        The new loop closures replace the earlier ones. If there is none yet, nothing changes.
         """
         if not self.accepted:
             return

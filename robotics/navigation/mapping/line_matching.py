@@ -31,7 +31,7 @@ DAMPING_INFORMATION = np.diag([1.0, 1.0, 1.0])
 
 
 class LineMatch(NamedTuple):
-    """Result of matching lidar points with a reference, with their pose in it, information matrix and
+    """Result of fitting lidar points to reference points: their relative pose, its information matrix,
     quality.
     """
 

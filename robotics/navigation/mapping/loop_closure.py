@@ -55,8 +55,9 @@ class KeyframeView(NamedTuple):
     """Occupied where beams ended, and next to it; free where `MIN_PASSES` beams passed."""
 
     def contradictions(self, hits: FloatArray) -> float:
-        """Return the share of points in free space, among the points in known cells; 1 if no point is in a
-        known cell.
+        """Return the share, 0 to 1, of surface points that lie in space which this view has seen as free.
+
+        Only points in known cells count; the result is 1 if there is no such point.
 
         Args:
             hits: (n, 2) points in the keyframe's frame, in [m].

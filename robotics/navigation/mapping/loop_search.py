@@ -78,10 +78,10 @@ def _runs(flags: BoolArray) -> Iterator[IntArray]:
 
 
 def supported(loops: Sequence[Loop], poses: Sequence[Pose2]) -> list[bool]:
-    """Return for each loop closure whether another one agrees with it.
+    """Return for each loop closure whether another loop closure, between keyframes nearby, agrees with it.
 
-    The other one has a different later keyframe. Their earlier keyframes, and their later ones, are at most
-    `SUPPORT_KEYFRAMES` apart.
+    The two closures must have different later keyframes. Their earlier keyframes, and their later ones, must
+    be at most `SUPPORT_KEYFRAMES` apart. They agree if they mean about the same relative pose.
 
     Args:
         loops: closures with a match.

@@ -17,8 +17,9 @@ MIN_SPEED_M_S = 0.3
 
 
 class RoomSpeeds(NamedTuple):
-    """Speed limits by the room between the robot and the nearest obstacle on a map, or those of the further
-    source `other` where they are lower.
+    """Speed limits that grow with the distance between the robot's outline and the nearest obstacle on a map.
+
+    At places where another source of limits, `other`, allows less, that lower limit applies.
     """
 
     grid: GridMap

@@ -100,7 +100,9 @@ class ScanLayer:
         self._scores[tuple(cells[inside].T)] = 0
 
     def forget(self, before: float) -> bool:
-        """Reset the scores of cells last hit by a beam before a time in [s]; return whether any exist."""
+        """Reset the scores of cells last hit by a beam before a time in [s]; return whether there were any
+        such cells.
+        """
         old = (self._scores > 0) & (self._hit_at < before)
         self._scores[old] = 0
         return bool(old.any())

@@ -24,7 +24,7 @@ class AllowedSpeeds(Protocol):
 
 
 class SpeedLimits(NamedTuple):
-    """Speed limits given by the cells of a mask; each limit is base + multiplier * value of the cell.
+    """Speed limits from a mask over the map; at each cell the limit is `base` + `multiplier` * its value.
 
     The rules are those of nav2_costmap_2d/plugins/costmap_filters/speed_filter.cpp. There is no limit at
     cells that are 0 or unknown, beyond the mask, and where the limit is not above 0 or is above 100 percent.

@@ -22,8 +22,8 @@ STEP_PERIOD_S = 0.1  # [s] of a filter's step; gyros and wheels are integrated w
 
 
 class Inconsistency(NamedTuple):
-    """Statistic of a filter's readings that exceeds its limit; the limit follows from the filter's
-    covariance.
+    """Evidence that a filter's errors are larger than its covariance says: a statistic of the latest readings
+    that exceeds its limit.
     """
 
     what: str
@@ -96,7 +96,9 @@ class FieldLocalizer(ABC):
 
     @property
     def parts(self) -> Sequence[Any]:
-        """Components of the localizer with a `STATE` of their own, the attributes to save in a checkpoint."""
+        """Components of the localizer whose attributes a checkpoint saves too; their `STATE` names these
+        attributes.
+        """
         return ()
 
     @property

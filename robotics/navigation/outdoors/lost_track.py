@@ -30,9 +30,9 @@ class FoundTrack(NamedTuple):
 class LostTrack:
     """Detector of a lost filter, which compares the track of rejected fixes with the track of the odometry.
 
-    If the filter's heading is wrong, the fixes have the shape of the odometry's track, but are turned. This
-    shows as soon as the robot moves. A shift without a turn may also come from a reflection, and is used only
-    after `patience` fixes.
+    If the filter's heading is wrong, the fixes have the shape of the odometry's track, but are turned, which
+    is noticed as soon as the robot moves. A track that is only shifted may also come from a reflection of
+    signals, and is used only after `patience` fixes.
     """
 
     STATE: ClassVar = {"_patience": int, "_tracks": list[tuple[float, ...]]}

@@ -104,7 +104,9 @@ class ParticleFilter(FieldLocalizer):
 
     @property
     def heading_known(self) -> bool:
-        """True if the standard deviation of the particles' headings is at most the limit for a known one."""
+        """True if the standard deviation of the particles' headings is so small that the heading counts as
+        known.
+        """
         return bool(self._covariance[2, 2] <= self._heading_sigma**2)
 
     @property

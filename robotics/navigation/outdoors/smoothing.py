@@ -57,8 +57,9 @@ class TrackRecord:
         self._starts = 0
 
     def start(self) -> None:
-        """Record that the filter starts or restarts; later readings do not change the states that are
-        smoothed for moments before it.
+        """Record that the filter starts or restarts.
+
+        Readings after a restart do not change the smoothed states of earlier moments.
         """
         if self._starts:
             self._over.append(self._smoothed())
@@ -106,7 +107,7 @@ class TrackRecord:
 
     @property
     def entries(self) -> Entries:
-        """Number of marked moments in the record now, and its latest one, to which `rewind` can reset it."""
+        """Present size of the record, to which `rewind` can later reset it."""
         return Entries(self._starts, len(self._links), self._latest)
 
     def rewind(self, entries: Entries) -> None:

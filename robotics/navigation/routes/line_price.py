@@ -12,7 +12,7 @@ from handcart.robotics.numerics.compiled import compiled
 
 @compiled
 def line_price(price: SingleArray, start: FloatArray, end: FloatArray, limit: float) -> float:
-    """Return the price of a straight line between two positions; infinity if it is above `limit`.
+    """Return the price of a straight line, summed up from the cells' prices; infinity if it is above `limit`.
 
     The price is sampled once for each cell of length. The line is not checked for obstacles.
 

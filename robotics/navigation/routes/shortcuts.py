@@ -179,15 +179,16 @@ def around_corners(free: BoolArray, squares: BlockedSquares, need: float, way: I
 def rounded(squares: BlockedSquares, need: float, path: FloatArray, rounds: int, roomy: float) -> FloatArray:
     """Return an evenly sampled path (n, 2) with rounded corners and the same ends, row and column in [cells].
 
-    Each sample moves towards the middle of its neighbours, unless the line to one of them would then have
-    less clearance than `need`, or less than the least clearance of the path.
+    Each sample moves towards the middle of its neighbours. It stays if the line to one of them would then
+    have too little clearance: less than `need` or than the least clearance of the path.
 
     Args:
         squares: blocked squares of the map.
         need: clearance to keep, in [cells].
         path: (n, 2) row and column, evenly sampled, in [cells].
         rounds: number of passes over the samples.
-        roomy: clearance, in [cells], up to which a sample does not lose any of its own clearance.
+        roomy: clearance, in [cells]; a sample with less clearance than this does not lose any by the
+            rounding.
     """
     smooth = path.copy()
     tight = np.inf

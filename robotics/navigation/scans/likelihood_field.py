@@ -32,7 +32,7 @@ NORMAL_CELLS = 1.5  # sigma by which a map is blurred for its normals
 
 
 class FieldValues(NamedTuple):
-    """Distances to surfaces that a likelihood field has at points, with their slopes."""
+    """Distances of points to the nearest surface of a map, from a likelihood field, and their slopes."""
 
     distances: FloatArray
     """Distances (n,) in [m] of the points to the nearest surface; inf outside the map."""
@@ -41,7 +41,9 @@ class FieldValues(NamedTuple):
 
 
 class LikelihoodField:
-    """Likelihood field of a map, tables of the distances to its surfaces, with which scans are matched."""
+    """Likelihood field of a map: tables of the distance of each place to the nearest surface, to match
+    scans.
+    """
 
     def __init__(self, grid: GridMap, is_drawn: bool = False) -> None:
         """Compute the field; takes roughly a millisecond for 100,000 cells.

@@ -268,7 +268,8 @@ def confirmed(seen: ScanEvidence, before: ScanEvidence | None) -> ScanEvidence:
     """Return a scan's evidence, with `share` (the usable part of the information) 0 if the previous scan
     contradicts it.
 
-    The previous scan contradicts the evidence if it has no evidence itself in about the same direction.
+    That is so if the previous scan determined the position worst in about the same direction, and gave no
+    usable evidence there.
 
     The steps between the cells of a diagonal wall may give false evidence in a single scan, but rarely in two
     successive ones.

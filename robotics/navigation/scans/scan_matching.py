@@ -32,7 +32,7 @@ ANNEALING_SCALES_M = (
 
 
 class ScanMatch(NamedTuple):
-    """Pose at which a scan fits the map best."""
+    """Pose at which a scan fits the map best, with its covariance and the quality of the fit."""
 
     pose: Pose2
     """map_T_base."""

@@ -55,8 +55,9 @@ class ScanBeams(NamedTuple):
 class StartFit(NamedTuple):
     """Result of comparing a scan with the map at a stated start pose and at other poses.
 
-    It has the share of beams that the map explains from the stated pose, and the place, if any, from which it
-    explains at least `MIN_SHARE_GAIN` more.
+    A beam is explained if it agrees with the map (see `explained_share`). The result holds the share of beams
+    explained at the stated pose, and a place, if there is one, with a share larger by at least
+    `MIN_SHARE_GAIN`.
     """
 
     share: float

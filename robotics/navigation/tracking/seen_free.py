@@ -39,7 +39,7 @@ class PastScan:
         return len(self.angles) * self.spacing > 2.0 * np.pi - 1.5 * self.spacing
 
     def clear(self, reach: float) -> FloatArray:
-        """Return the length (n,) in [m] that each beam and its neighbours on both sides have passed.
+        """Return how far, (n,) in [m], the ground is free along each beam and its neighbours on both sides.
 
         Args:
             reach: distance in [m] up to which a beam without an echo counts as free.

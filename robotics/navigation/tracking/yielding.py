@@ -30,7 +30,9 @@ TOLERANCE_M = 0.05  # by which a faster motion may come nearer than the best one
 def safe_share(
     pose: Pose2, command: tuple[float, float], people: People, radius: float, braking: float, period: float
 ) -> float:
-    """Return the share of a command at which the base stops before it comes near any person's predicted path.
+    """Return the factor by which to reduce a speed command so that the base can stop before it meets people.
+
+    With the reduced command the base stops before it comes near any person's predicted path.
 
     The base also has to stop in time for a nearby person who suddenly walks towards it.
 

@@ -56,8 +56,9 @@ class _Fit(NamedTuple):
 
 
 def fit_steps(profiles: FloatArray, away: BoolArray, least: float) -> Steps:
-    """Fit a step from bright to dark to grey profiles across edges, or two steps to a profile whose mean
-    squared residual with one step is larger by more than noise and the shape of the blur explain.
+    """Fit a step from bright to dark to grey profiles across edges; fit two steps if one fits too badly.
+
+    One step fits too badly if noise and the shape of the blur do not explain its mean squared residual.
 
     There are two steps if the side face under an edge is seen as a strip of a few pixels, of a third shade.
     Such a strip looks like a wide blur, so the blur is estimated from edges whose side face is turned away

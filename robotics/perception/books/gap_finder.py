@@ -42,7 +42,7 @@ class NoGap(NamedTuple):
     """Reason why a book has no slot, as text and as a measured value with its unit and limit.
 
     `at` is y, in the shelf frame in [m], of the position at which the book belongs, None if unknown.
-    `is_unread` is True if there may be a slot, but the books beside it could not be read or seen.
+    `is_unread` is True if there may be a slot, but the books next to the slot could not be read or seen.
     """
 
     reason: str
@@ -63,9 +63,9 @@ def find_gap(
 ) -> GapFound | NoGap:
     """Return the slot for a book in the order of call numbers, 2 mm to `max_extra` wider than the book.
 
-    The right place is the one that leaves most books in order. Books to its left are in order if they are in
-    a longest non-decreasing subsequence of the call numbers not above `call_number`, and books to its right
-    likewise with those not below. A misplaced book is in no such subsequence. An unread book may be anywhere,
+    The right place is where the most books are in order. To its left, these are the books in a longest
+    non-decreasing subsequence of call numbers up to `call_number`; to its right, those in such a subsequence
+    of call numbers from `call_number` on. All other books are misplaced. An unread book may be anywhere,
     except directly next to the slot: there it might belong on the slot's other side, and no slot is returned.
 
     Args:

@@ -23,9 +23,7 @@ MOVED_BY = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] how far, then
 
 
 class Kind(NamedTuple):
-    """Size of square landmarks, and height of the surface on which they lie; it tells kinds of landmarks
-    apart.
-    """
+    """Kind of square landmarks, given by their size and by the height of the surface on which they lie."""
 
     height: float
     """Height (z) in the base frame of the surface on which the landmark lies, in [m]."""
