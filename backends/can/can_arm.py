@@ -51,7 +51,9 @@ class CanArm(CommandedArm):
         self.holds(np.where(np.abs(within - measured) <= self._most, within, measured))
 
     def holds(self, joints: FloatArray) -> None:
-        """Set the last command to joints (n,), in [rad], or [m] for sliding ones, without sending it."""
+        """Take joint positions (n,) as the last commanded ones, in [rad], or [m] for sliding joints, without
+        sending them.
+        """
         self._command = self._sent = joints.copy()
 
     @override
@@ -65,7 +67,7 @@ class CanArm(CommandedArm):
         return force_by_efforts(self._model, self.joints(), measured, known)
 
     def pass_on(self) -> None:
-        """Hand the commanded joint positions to the drives."""
+        """Set the commanded joint positions as the next set-points of the joints' drives."""
         self._sent = self._command.copy()
         for joint, angle in zip(self._joints, self._sent, strict=True):
             joint.command(float(angle))

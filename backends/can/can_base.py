@@ -35,7 +35,7 @@ class CanBase(Base):
         self._left.travel, self._right.travel = travel.left, travel.right
 
     def forget(self) -> None:
-        """Drop the command, so that the base stops."""
+        """Discard the commanded speeds of the wheels, so that the base stops."""
         self._command = (0.0, 0.0)
 
     def pass_on(self) -> None:

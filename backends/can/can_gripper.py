@@ -28,11 +28,11 @@ class CanGripper(CommandedGripper):
         self._command = 0.0
 
     def begin(self) -> None:
-        """Set the commanded width to the measured one, before the drive is enabled."""
+        """Set the commanded opening of the fingers to the measured one, before the drive is enabled."""
         self._command = min(max(0.0, self._axis.position), self._spec.opening_mm / 1e3)
 
     def holds(self, width: float) -> None:
-        """Set the commanded opening of the fingers, in [m], without sending it to the drive."""
+        """Take an opening of the fingers, in [m], as the last commanded one, without sending it."""
         self._command = width
 
     @override
@@ -49,7 +49,7 @@ class CanGripper(CommandedGripper):
         return stands and self._axis.torque <= -_PRESSES * most
 
     def halt(self) -> None:
-        """Hold: pressing fingers continue to press, moving fingers stop."""
+        """Make the gripper hold: fingers that press on an object continue to press, moving fingers stop."""
         if not self.closed_on_something():
             self._command = min(self.width(), self._spec.opening_mm / 1e3)
 

@@ -41,7 +41,9 @@ class CanParts:
             self.gripper = CanGripper(robot.gripper, axes.gripper)
 
     def capabilities(self) -> tuple[Capability, ...]:
-        """Return the capabilities that this robot has."""
+        """Return the interfaces (`Capability`) by which base, arm and gripper are commanded, as far as the
+        robot has them.
+        """
         return tuple(item for item in (self.base, self.arm, self.gripper) if item is not None)
 
     def begin(self) -> None:
@@ -94,7 +96,7 @@ class CanParts:
                 item.pass_on()
 
     def halt(self) -> None:
-        """Drop all commands; arm and gripper hold."""
+        """Discard the command of the base, so that the base stops, and make arm and gripper hold."""
         self.base.forget()
         for item in (self.arm, self.gripper):
             if item is not None:
@@ -102,7 +104,11 @@ class CanParts:
 
 
 def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:
-    """Return the capabilities of the drives and sensors that a robot's file lists in its section `can`."""
+    """Return the kinds of capability, such as arm or lidar, that a robot has by the section `can` of its
+    file.
+
+    The section lists the robot's drives and sensors.
+    """
     spec = robot.can
     if spec is None:
         return ()

@@ -56,7 +56,9 @@ class LiveSensor(ABC):
 
     @property
     def is_fresh(self) -> bool:
-        """True if the sensor's last plausible reading is not older than allowed."""
+        """True if the sensor has sent a plausible reading, and the last one is not older than the robot's
+        file allows.
+        """
         age = self.age
         return age is not None and age <= self._stale
 

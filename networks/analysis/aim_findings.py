@@ -12,7 +12,8 @@ from handcart.networks.task.task_file import Task
 
 
 def aim_findings(task: Task) -> Iterator[Finding]:
-    """Yield findings on interrupts whose goal has no route from some situation, or to the task's goal.
+    """Yield findings on interrupts whose goal cannot be reached from some situation, or from whose goal no
+    route leads on to the task's goal.
 
     An interrupt is a goal that comes before the task's goal when a condition holds, such as a low battery.
     """

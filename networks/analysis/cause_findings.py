@@ -12,7 +12,9 @@ from handcart.primitives.contract.raised_causes import possible_causes
 
 
 def cause_findings(task: Task) -> Iterator[Finding]:
-    """Yield a finding for each cause in an action's `on_fail` that the code of its primitive never gives."""
+    """Yield a finding for each cause that an action's `on_fail` names, but that the action's primitive never
+    gives.
+    """
     kinds = {
         number: action.binding.kind
         for number, action in zip(task.entries, task.network.actions, strict=True)
@@ -29,7 +31,7 @@ def cause_findings(task: Task) -> Iterator[Finding]:
 
 
 def causes_into(network: ActionNetwork, situation: str) -> list[str]:
-    """Return the actions that lead to a situation by a Fail, as texts "ACTION by 'CAUSE'"."""
+    """Return the actions whose Fail by a named cause leads to a situation, each as "ACTION by 'CAUSE'"."""
     found = {
         f"{action.do} by {ending.cause!r}"
         for action in network.actions

@@ -17,7 +17,8 @@ from handcart.networks.task.task_model import ConditionFile
 def condition_findings(task: Task) -> list[Finding]:
     """Return findings on a task that is written as conditions on facts.
 
-    They name actions that never start, conditions for values that a fact never has, and dead ends.
+    They name actions that never start, conditions for values that a fact never has, and situations from which
+    nothing leads to the goal.
     """
     assert isinstance(task.file, ConditionFile)
     return [*_never_started(task), *_never_true(task, task.file), *_dead_ends(task)]

@@ -21,8 +21,8 @@ Changes = Mapping[str, tuple[object, object]]
 def fact_findings(task: Task) -> list[Finding]:
     """Return findings on changes of facts by Success that do not suit the action's primitive.
 
-    Either the primitive cannot change the fact, or its other actions in the task do not change the fact. A
-    Fail that would change facts is rejected already when the file is read.
+    Either the primitive cannot change the fact, or another action of the task with this primitive does not
+    change it. A Fail that would change facts is rejected already when the file is read.
     """
     actions = dict(reversed([(e, a) for a, e in zip(task.network.actions, task.entries, strict=True)]))
     found = []

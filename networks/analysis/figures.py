@@ -100,15 +100,16 @@ def figures(
     more: Effort | None = None,
     forecaster: Forecaster | None = None,
 ) -> Figures:
-    """Return how runs of a task end, and how much each action influences that (`Figures`).
+    """Return how runs of a task end, and how much each action influences these ends (`Figures`).
 
     All actions of the task must have a probability `p`.
 
     Args:
         task: the task.
-        effort: budget of the forecast of the task as it is; None: `budget_of` its network.
+        effort: budget of the forecast of the unchanged task, in steps of search; None: the default of the
+            task's network (`budget_of`).
         more: budget of all forecasts with a changed action, those for `Influence.one_more` and
-            `Influence.alternative`; None: `DEFAULT_MAX_STEPS`.
+            `Influence.alternative`; None: `DEFAULT_MAX_STEPS` steps of search.
         forecaster: forecaster of the task's network, used with its own budget; None: a new one.
     """
     known = dict(enumerate(entry_chances(task)))

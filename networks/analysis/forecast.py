@@ -32,7 +32,7 @@ changed.
 
 @dataclass(frozen=True)
 class Forecast:
-    """Probabilities of a run's ends and its cost, if attempts are independent of each other."""
+    """Probabilities of the ends of a run, and its expected cost, if attempts do not depend on each other."""
 
     goal: float
     """Probability that the goal is reached, with nothing left undone (status 0)."""
@@ -113,7 +113,7 @@ class Forecaster:
             change: function that changes actions of a stage (consecutive part of the network); None: no
                 change.
             numbers: numbers, in the network, of the actions to change.
-            effort: budget of the changed stages; None: that of the forecaster.
+            effort: budget for computing the changed stages, in steps of search; None: that of the forecaster.
 
         Raises:
             TooLarge: a stage has too many states.
@@ -154,7 +154,11 @@ class Forecaster:
         return found
 
     def slopes(self) -> list[float]:
-        """Return for each action the derivative of P(goal) by its probability of Success."""
+        """Return for each action the derivative of the probability of the goal by the action's probability of
+        Success.
+
+        The action's probability of Fail becomes smaller by as much as that of Success becomes larger.
+        """
         found = [0.0] * len(self._chances)
         chains = [self._chain(stage) for stage in self._stages]
         behind = [1.0]

@@ -34,8 +34,8 @@ def longest_run(policy: Policy) -> Longest:
     """Return how many actions a policy's runs start at most, if they reach the goal and if they do not.
 
     Both numbers are computed backwards from the runs' ends. The policy should include Fails that use up all
-    attempts at once. If chance may lead a run in circles, both numbers are `ActionNetwork.bound`. States
-    without a step in an incomplete policy are left out.
+    attempts at once. If chance may lead a run in circles, both numbers are the upper bound
+    `ActionNetwork.bound`. States for which an incomplete policy has no decision are left out.
     """
     if policy.circles:
         bound = float(policy.network.bound())

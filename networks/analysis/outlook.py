@@ -20,7 +20,8 @@ class NoOutlook(Exception):
 
 
 class Outlook(NamedTuple):
-    """Probabilities that a run reaches its goal, by a person's answer to whether a waiting action may start.
+    """Probabilities that a run reaches its goal, for each answer of a person who is asked whether an action
+    may start.
 
     Runs that leave an element of a `repeat` undone are not counted as reaching the goal.
     """
@@ -34,10 +35,11 @@ class Outlook(NamedTuple):
 
 
 def outlook(task: Task, situation: str, counts: Mapping[int, int], action: int) -> Outlook:
-    """Return the probabilities of the goal if a waiting action is permitted, succeeds, or is refused.
+    """Return the probabilities of reaching the goal if a waiting action is permitted, succeeds, or is
+    refused.
 
     They are exact for the outcome probabilities in the task's file, if the coordinator decides by the rule
-    (it starts the action with the least expected cost to the goal).
+    (it starts the first action of the cheapest plan to the goal).
 
     Args:
         task: the task of the run.

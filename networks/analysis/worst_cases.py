@@ -27,7 +27,9 @@ Path = tuple[tuple[int, str], ...]
 
 @dataclass(frozen=True)
 class NoWayLeft:
-    """Run with the fewest Fails that ends in a certain situation because no action is left to try."""
+    """Run that ends in a certain situation because no action is left to try; of such runs, one with the
+    fewest Fails.
+    """
 
     situation: str
     """Situation in which the run ends."""
@@ -62,7 +64,7 @@ class NoWayLeft:
 
 @dataclass(frozen=True)
 class WorstCases:
-    """Longest run, possible ends short of the goal, and unused actions of a network.
+    """Longest run of a network, its possible ends short of the goal, and the actions that no run ever plans.
 
     GiveUps and Fails that use up all attempts at once are taken into account.
     """
@@ -80,13 +82,14 @@ class WorstCases:
 
 
 def worst_cases(network: ActionNetwork, effort: Effort | None = None) -> WorstCases:
-    """Return the longest run of a network, its possible ends short of the goal, and its unused actions.
+    """Return the longest run of a network, its possible ends short of the goal, and the actions that no run
+    plans.
 
     The result is exact, except in parts of the network whose states are too many to examine.
 
     Args:
         network: the network.
-        effort: budget of the computation; None: `budget_of`.
+        effort: budget of the computation, in steps of search; None: the network's default (`budget_of`).
     """
     effort = effort or Effort(budget_of(network))
     known: dict[object, _Piece] = {}

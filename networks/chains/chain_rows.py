@@ -17,7 +17,10 @@ from .step_maker import State, Step
 
 
 class ChainEnd(IntEnum):
-    """Kind of end of a run; the value is the kind's column in arrays of ends, such as `Chain.ended`."""
+    """Kind of end of a run: goal, no action left, GiveUp, or unknown because a state was not examined.
+
+    The value is the kind's column in arrays of ends, such as `Chain.ended`.
+    """
 
     GOAL = 0
     NO_WAY = 1
@@ -27,8 +30,8 @@ class ChainEnd(IntEnum):
 
 
 class ChainLinks(NamedTuple):
-    """Transitions between states (rows) of a Markov chain, with start, end and probability as columns
-    (n,).
+    """Transitions between the states (rows) of a Markov chain, as arrays (n,): the row before, the row after,
+    and the probability.
     """
 
     row: IntArray

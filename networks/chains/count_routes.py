@@ -18,7 +18,9 @@ TIE_SLACK = 1e-9
 
 
 class CountRoutes(NamedTuple):
-    """First actions of the cheapest routes from all situations, for n combinations of earlier Fails."""
+    """Cheapest routes from all situations, each given by its first action, for n combinations of earlier
+    Fails.
+    """
 
     action: IntArray
     """(situations, n) number of the first action; `NO_ACTION` if no route leads to the goal."""

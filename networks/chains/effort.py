@@ -12,8 +12,8 @@ class TooMuch(Exception):
 
 
 class Effort:
-    """Budget counted in steps of search, not seconds, so that a file gets the same answer on every
-    machine.
+    """Budget of a computation, counted in steps of search instead of seconds, so that a file gets the same
+    answer on every machine.
     """
 
     def __init__(

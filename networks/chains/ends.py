@@ -33,8 +33,10 @@ class Ends(NamedTuple):
         return Ends(*(step.then(item) for item in self))
 
     def plus(self, other: Ends) -> Ends:
-        """Return the ends of runs that pass either one part of the network or the other, by adding the ends
-        of both parts.
+        """Return the sum of these ends and `other`, for runs that pass either one of two parts of the
+        network.
+
+        The probabilities and costs of each kind of end are added.
         """
         return Ends(*(a + b for a, b in zip(self, other, strict=True)))
 
@@ -52,7 +54,7 @@ class Ends(NamedTuple):
         return Ends(NEVER_REACHED, self.goal + self.skipped, self.no_way, self.give_up, self.unknown)
 
     def total(self) -> Moments:
-        """Return the moments of the cost of a run, whatever its end: the sum over all ends."""
+        """Return the sum over all ends: the moments (`Moments`) of the cost of a run, whatever its end."""
         return self.goal + self.skipped + self.no_way + self.give_up + self.unknown
 
 

@@ -31,5 +31,8 @@ class Moments(NamedTuple):
 
 
 def certain(p: float, cost: float) -> Moments:
-    """Return the cost's moments for a step that is taken with probability `p` at a fixed `cost` in [s]."""
+    """Return the moments of a step that is taken with probability `p` at a fixed `cost` in [s].
+
+    They are p, p cost and p cost².
+    """
     return Moments(p, p * cost, p * cost * cost)

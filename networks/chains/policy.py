@@ -203,7 +203,9 @@ def likely_policy(network: ActionNetwork, chances: Chances, effort: Effort, star
 
 
 def shares(step: Step, chances: Chances) -> Iterator[tuple[float, State]]:
-    """Yield the states that follow a decision, each with its probability."""
+    """Yield the states that follow a decision, each with its probability; GiveUp, which ends a run, is left
+    out.
+    """
     action = step.action
     if action is None:
         return

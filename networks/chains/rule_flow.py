@@ -56,7 +56,8 @@ class FlowResult(NamedTuple):
 
 
 def can_flow(network: ActionNetwork) -> bool:
-    """Return whether the ends of a network's runs can be computed by `RuleFlow`.
+    """Return whether the ends of a network's runs can be computed by `RuleFlow`, which follows runs Fail by
+    Fail.
 
     Each Fail must lead to a state with more Fails. Therefore each action must have only one result, and
     limited attempts that are never renewed. The network may have at most `MAX_WAYS` actions.
@@ -123,7 +124,8 @@ class RuleFlow:
 
         Args:
             start: state in which the runs begin.
-            most: number of steps above which the count is ended, so that the returned bound is too low.
+            most: number of steps above which counting ends; the returned bound may then be far below the
+                needed number.
         """
         self._begin(start)
         walk, seen, steps = self._walk, set[bytes](), 0.0

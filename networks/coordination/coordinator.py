@@ -123,7 +123,7 @@ class Coordinator:
 
     @property
     def situation(self) -> str:
-        """Last situation that is known to hold."""
+        """Last situation that is known to hold; during an action, the one in which the action started."""
         return self._route.situation
 
     @property
@@ -139,7 +139,10 @@ class Coordinator:
         return self._log.started
 
     def run(self) -> Generator[None, None, RunEnd]:
-        """Execute the run, from the start to the goal or to a situation in which no action is left to try."""
+        """Execute the run, one control period for each `yield`, and return how it ended.
+
+        The run goes from the start to the goal, or to a situation in which no action is left to try.
+        """
         try:
             end = yield from self._pursue()
         except Interrupted as interrupted:

@@ -39,7 +39,9 @@ class Interrupts:
             stop()
 
     def stop(self) -> None:
-        """Stop the run as Ctrl-C would, but without a signal to the program."""
+        """Stop the run as Ctrl-C would, but without a signal to the program; before a run has begun, do
+        nothing.
+        """
         if self._stop is not None:
             self._stop()
 

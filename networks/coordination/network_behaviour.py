@@ -42,7 +42,9 @@ class NetworkBehaviour(Behaviour):
 
     @property
     def latched(self) -> bool:
-        """True if a person has to help before anything moves again."""
+        """True if the last run ended in GiveUp: a person has to help, and to call `acknowledge`, before
+        anything moves.
+        """
         return self.end is not None and self.end.outcome == "GiveUp"
 
     def acknowledge(self) -> None:

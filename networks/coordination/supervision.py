@@ -68,7 +68,7 @@ class Interrupted(Exception):
 
 
 class PendingRequest(NamedTuple):
-    """A request of the operator that is not applied yet."""
+    """A request to a run, such as a pause or a stop, that the run has accepted but not followed yet."""
 
     what: Request
     time: float
@@ -272,7 +272,10 @@ class Supervision:
 
 
 def come_to_rest(robot: Robot) -> Generator[None, None, None]:
-    """Wait until base, arm and gripper are at rest by their readings; give up at a time-out or an error."""
+    """Wait, one control period for each `yield`, until base, arm and gripper are at rest by their readings.
+
+    After a time-out or an error the wait ends without raising anything.
+    """
     with suppress(Exception):  # the run ends with an error of its own; a second one would hide it
         yield from settle(robot)
 

@@ -35,7 +35,12 @@ class WorldWatch:
         self._stood = next(reversed(self._seen.values()), None)
 
     def begins(self, situation: str, at: Snapshot | None) -> None:
-        """Take the snapshot before an action as the robot's last known state, if no state is known yet."""
+        """Take the snapshot before an action as the robot's last known state, if no state is known yet.
+
+        Args:
+            situation: situation in which the action starts.
+            at: the snapshot; None if it could not be read.
+        """
         if self._stood is None:
             self.stands(at)
             self.arrived(situation)

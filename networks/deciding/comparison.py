@@ -29,7 +29,7 @@ MIN_SHARE = 1e-4
 
 
 class PolicyDifference(NamedTuple):
-    """State in which two policies decide differently."""
+    """State in which the rule and the best policy decide differently, with both decisions."""
 
     situation: str
     fails: str

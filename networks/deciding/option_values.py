@@ -24,7 +24,9 @@ VALUE_STEPS = 200_000
 
 
 class OptionValue(NamedTuple):
-    """Expected result of a run if an action is done now and the network's policy decides afterwards."""
+    """Expected result of a run, as probability of the goal and time, if an action is done now and the
+    network's policy decides afterwards.
+    """
 
     goal: float
     """Probability that the goal is reached with nothing left undone."""
@@ -33,7 +35,9 @@ class OptionValue(NamedTuple):
 
 
 class OptionValues:
-    """Computation of the expected result of a run for each action that could be done next."""
+    """Computation of the expected result of a run (probability of the goal, and time) for each action that
+    could be done next.
+    """
 
     def __init__(
         self, network: ActionNetwork, chances: Chances | None = None, policy: str | None = None
@@ -58,7 +62,7 @@ class OptionValues:
         return all(a.p_success is not None for a in self._network.actions if a.binding is not None)
 
     def of(self, action: Action, counts: Mapping[int, int], hopes: bool = False) -> OptionValue | None:
-        """Return the expected result of a run in which an action is done next.
+        """Return the expected probability of the goal and time of a run in which an action is done next.
 
         The result is None if there are too many states.
 
@@ -118,8 +122,8 @@ class RunOptionValues:
         self._values: OptionValues | None = None
 
     def by(self, chances: Chances | None, policy: str | None) -> OptionValues:
-        """Return the calculator that predicts, for each action a run could do next, the time and probability
-        of reaching the goal.
+        """Return the object that computes, for each action that the run could do next, the probability of the
+        goal and the time.
 
         Args:
             chances: outcome probabilities of each action; None: those of the task's file.

@@ -61,7 +61,7 @@ class Process:
         self._undone = self._elements_left()
 
     def believing(self, chances: Chances) -> Process:
-        """Return the same process with other outcome probabilities of the actions."""
+        """Return a copy of this process with other outcome probabilities of the actions."""
         other = copy(self)
         other.chances = chances
         return other
@@ -116,7 +116,9 @@ class Process:
         ]
 
     def step(self, state: State, action: Action) -> Step:
-        """Return the step in which a run does an action in a state, with the states that may follow."""
+        """Return the start of an action in a state as a `Step`, with the states to which the action's results
+        lead.
+        """
         fails = state.fails
         succeeded = self.after.successes(action, fails)
         chance = None if action.binding is None else self.chances[action.index]

@@ -23,7 +23,8 @@ CALL_ENDS = (*STOP_ENDS, ChainEnd.UNKNOWN)
 
 
 class PolicyFigures(NamedTuple):
-    """Expected results of runs of a policy, each with a lower and an upper bound.
+    """Expected results of runs of a policy (probability of the goal, time and price), each with a lower and
+    an upper bound.
 
     Both bounds are equal if all states that runs can reach were examined.
     """

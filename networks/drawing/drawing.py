@@ -67,14 +67,14 @@ def to_dot(network: ActionNetwork, title: str = "") -> str:
 
 
 def to_svg(network: ActionNetwork, title: str = "") -> str:
-    """Return the network as an SVG document."""
+    """Return a drawing of the network, below its title, as an SVG document."""
     from .svg import to_svg as written
 
     return written(draw_network(network, title=title))
 
 
 def to_png(network: ActionNetwork, title: str = "") -> bytes:
-    """Return the network as PNG."""
+    """Return a drawing of the network, below its title, as the bytes of a PNG file."""
     from .figure import to_png as written
 
     return written(draw_network(network, title=title))

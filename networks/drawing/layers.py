@@ -27,7 +27,7 @@ class Size(NamedTuple):
 
 
 class LayerEdge(NamedTuple):
-    """Link in a drawing of a network, from the right edge of one box to the left edge of another."""
+    """Link in a drawing of a network, from the right edge of one box to the left edge of another box."""
 
     source: Key
     target: Key

@@ -26,7 +26,9 @@ LEGEND_LINES = (
 
 
 class Text(NamedTuple):
-    """A line of words; x is its middle, or its left end if it isn't `centred`, y its base line; in [px]."""
+    """A line of text in a drawing; x is its middle, or its left end if not `centred`; y is its base line; in
+    [px].
+    """
 
     x: float
     y: float
@@ -107,7 +109,7 @@ class NetworkPicture:
 
     @property
     def texts(self) -> list[Text]:
-        """Return all texts of the picture."""
+        """All texts of the picture: title, legend, titles of frames, and texts in boxes."""
         inside = [text for box in self.boxes for text in box.texts]
         return [*self.words, *(frame.title for frame in self.frames), *inside]
 

@@ -10,7 +10,7 @@ HIGHLIGHT_COLOUR = "#ffd84d"
 
 
 class BoxStyle(NamedTuple):
-    """Colours and lines of the box that stands for a situation in a drawing of a network."""
+    """Colours and lines of the box of a situation or an action in a drawing of a network."""
 
     fill: str
     colour: str
@@ -48,7 +48,7 @@ def style_of_box(box: DrawnBox) -> BoxStyle:
 
 
 def style_of_link(link: DrawnLink) -> LinkStyle:
-    """Return the style of a link between situations.
+    """Return colour and width of a link between a situation and an action.
 
     A link that a run took is thicker. A link after a Fail has another colour.
     """

@@ -80,8 +80,8 @@ class ActionEntry(TaskEntry):
 
     @property
     def fail_situations(self) -> list[str]:
-        """All situations that a Fail may lead to; the last one is that of Fails whose cause has no entry in
-        the file.
+        """All situations that a Fail may lead to: first those of the causes that have an entry in the file,
+        then that of all other causes, if the file names one.
         """
         return [to for to in (*(e.to for e in self.fail_entries.values()), self.on_fail) if to]
 

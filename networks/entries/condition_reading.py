@@ -23,7 +23,7 @@ Fault = tuple[KeyPath, str]
 
 
 def has_conditions(document: Document) -> bool:
-    """Return whether a task's network is generated from conditions."""
+    """Return whether a task's file states facts and conditions, from which its network is generated."""
     return document.root.child(FACTS_KEY) is not None
 
 

@@ -26,7 +26,7 @@ class Planned:
 
 @dataclass(frozen=True)
 class Started:
-    """Event: an action starts."""
+    """Event: an action starts, with its number in the run, its primitive and the number of earlier Fails."""
 
     time: float
     number: int
@@ -39,7 +39,7 @@ class Started:
 
 @dataclass(frozen=True)
 class Restoring:
-    """Event that the running action begins to restore the state that it found at its start."""
+    """Event that the running action begins to restore the state found at its start, with the reason."""
 
     time: float
     action: Action
@@ -73,7 +73,9 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class AimChanged:
-    """Event that a round of a repeated task or an interrupt begins, or that the goal is abandoned."""
+    """Event that a round of a repeated task or an interrupt begins, or that the goal is abandoned, described
+    in words.
+    """
 
     time: float
     words: str
@@ -81,7 +83,7 @@ class AimChanged:
 
 @dataclass(frozen=True)
 class RunEnded:
-    """Event: the run has ended."""
+    """Event: the run has ended, with its outcome and the reason."""
 
     time: float
     end: RunEnd

@@ -69,7 +69,7 @@ class Binding:
 
     @cached_property
     def label(self) -> str:
-        """The primitive's name in files."""
+        """Name of the primitive in files, such as MOVE_TO."""
         return self.kind.label()
 
     def make(self, model: WorldModel) -> ActionPrimitive:
@@ -184,7 +184,7 @@ class Action:
         return None if self.p is None else self.p + sum(other.p or 0.0 for other in self.others)
 
     def further(self, with_chances: bool) -> tuple[object, ...]:
-        """Return what planning uses of this action besides situations, cost and number of attempts.
+        """Return data of this action that planning uses besides situations, cost and number of attempts.
 
         They are the situations after other results and after Fails of certain causes, and the rules for
         shared, renewed or unlimited attempts, as far as the action has any; with chances also probabilities.
@@ -215,7 +215,7 @@ class Action:
 
     @property
     def name(self) -> str:
-        """Primitive's name, and `distinction` if another action does the same between the same situations."""
+        """Primitive's name, and what distinguishes it from an equal action between the same situations."""
         return f"{self.do} with {self.distinction}" if self.distinction else self.do
 
     def __str__(self) -> str:

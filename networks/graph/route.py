@@ -12,8 +12,9 @@ from .planner import NoWay, Plan, Planner
 
 @dataclass(frozen=True)
 class NotStarted:
-    """Result of an action that could not be started, because it was refused or a parameter isn't known;
-    counts as a Fail.
+    """Result of an action that could not be started, because it was refused or a parameter is not known.
+
+    It counts as a Fail.
     """
 
     reason: str
@@ -92,7 +93,9 @@ class RunDecisions:
 
     @property
     def priority(self) -> int | None:
-        """Priority of the interrupt (goal pursued before the task's own) that the run pursues, or None."""
+        """Priority of the interrupt (goal pursued before the task's own) that the run pursues; None without
+        one.
+        """
         return self._first[-1][1] if self._first else None
 
     @property

@@ -202,7 +202,9 @@ class RunLog(Intents):
         self._tell(lambda: LeftOut(self._robot.time, action, f"{element} is left undone"))
 
     def aims_at(self, words: str, record: records.Aim) -> None:
-        """Log that the run pursues another goal; `words` describe it for people."""
+        """Log that the run pursues another goal, by the journal's `record`; `words` describe the goal for
+        people.
+        """
         self._write("AIM", record)
         self._tell(lambda: AimChanged(self._robot.time, words))
 

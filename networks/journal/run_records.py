@@ -75,7 +75,9 @@ ActionWords = TypedDict(
 
 @with_config(_OPEN)
 class StartRecord(TypedDict):
-    """Record of an action that is about to start."""
+    """Record of an action that is about to start, with its number in the run and, if measured, a snapshot of
+    the robot.
+    """
 
     n: Number
     action: ActionWords
@@ -117,7 +119,7 @@ class Succeeded(_Result):
 
 
 class Failed(_Result):
-    """Record of an action that ended in Fail."""
+    """Record of an action that ended in Fail, with the reason; a permanent Fail used up all attempts."""
 
     outcome: Literal["Fail"]
     reason: str
@@ -125,7 +127,7 @@ class Failed(_Result):
 
 
 class GivenUp(_Result):
-    """Record of an action that ended in GiveUp."""
+    """Record of an action that ended in GiveUp, with the reason."""
 
     outcome: Literal["GiveUp"]
     reason: str
@@ -148,7 +150,7 @@ class Recon(TypedDict):
 
 @with_config(_OPEN)
 class EndRecord(TypedDict):
-    """Record: the run has ended."""
+    """Record: the run has ended, with its outcome, its last situation and the reason."""
 
     outcome: Literal["Success", "Fail", "GiveUp", "Cancelled", "Error"]
     situation: str

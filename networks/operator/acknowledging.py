@@ -49,7 +49,7 @@ def acknowledge(folder: Path, record: int, cause: str | None = None) -> str:
 
 
 def cause_of(contents: JournalContents, record: int) -> Record:
-    """Return the record of a journal that has the number `record` and waits for a person.
+    """Return the record number `record` of a journal, for which the run waits until a person acknowledges it.
 
     Its key `kind` is the kind of the record, and `h` its checksum. A damaged record is replaced by one with
     the checksum of the record before it.

@@ -67,7 +67,13 @@ def ask(folder: Path, message: Mapping[str, Any], patience: float = ANSWER_TIMEO
 
 
 def tell_to_stop(folder: Path) -> None:
-    """Ask the program that records its run in a folder to stop the robot at once; do not wait for the end."""
+    """Ask the program that executes the run in a folder to stop the robot at once; do not wait for the end.
+
+    Raises:
+        NotAlive: no run is alive there.
+        ClosedToYou: the folder may not be used.
+        NotAnswering: the run is alive, but its socket cannot be reached.
+    """
     try:
         with (
             socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as line,

@@ -38,8 +38,8 @@ class ControlLine:
 
     @property
     def interest(self) -> int:
-        """Event of the connection's socket to wait for, which is writable while an answer is to be sent,
-        otherwise readable.
+        """Event of the connection's socket to wait for: `EVENT_WRITE` while an answer is to be sent,
+        otherwise `EVENT_READ`.
         """
         return selectors.EVENT_WRITE if self._goes else selectors.EVENT_READ
 

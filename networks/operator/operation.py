@@ -53,7 +53,10 @@ class Operation(RunObserver):
         self.look()
 
     def answer(self, message: Message) -> dict[str, Any]:
-        """Execute a message's command, unless it was received before, and return the run's status."""
+        """Execute a message's command, unless it was received before, and return the run's status.
+
+        The answer to an invalid or refused command contains the reason instead.
+        """
         wrong = fault_of(message, self._coordinator.network.situations)
         if wrong or self._heard.again(message):
             return _refused(wrong) if wrong else {"ok": True, "again": True, **self.status()}
@@ -74,7 +77,9 @@ class Operation(RunObserver):
         return {"ok": True, **self.status()}
 
     def status(self) -> dict[str, Any]:
-        """Return the state of the run, as fields for the answer to a command."""
+        """Return the state of the run (activity, situation, actions, open question, break points) as fields
+        of an answer.
+        """
         asks = self._permits.asks
         question = None if asks is None else {**_words(asks), "ask": self._permits.asked}
         return {

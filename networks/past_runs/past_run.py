@@ -85,7 +85,7 @@ class PastRun:
 
     @cached_property
     def track(self) -> RunTrack | None:
-        """Return the robot's pose in each period; None if the run did not save its poses.
+        """The robot's pose in each period; None if the run did not save its poses.
 
         Raises:
             NoRun: the file of the poses cannot be read.

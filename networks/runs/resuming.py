@@ -121,8 +121,8 @@ class Past:
         return lines
 
     def check_robot(self, robot: Robot) -> None:
-        """Raise `NeedsOperator` if the journal of the run to resume describes a robot with other joints than
-        `robot`.
+        """Raise `NeedsOperator` if the journal of the run to resume describes a robot with another number of
+        joints than `robot`.
         """
         arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
         joints = 0 if arm is None else arm.command().size

@@ -201,7 +201,10 @@ def step_until_end(
 def summary(
     prepared: Prepared, end: RunEnd, run_dir: Path, wall_time_s: float, metrics: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return the summary of a run, for `summary.json`; `wall_time_s` is in [s]."""
+    """Return the content of a run's `summary.json`: outcome, situation, reason, counts, times and metrics.
+
+    `wall_time_s` is the duration of the run by the wall clock, in [s].
+    """
     return {
         "outcome": end.outcome,
         "situation": end.situation,

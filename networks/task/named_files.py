@@ -24,7 +24,12 @@ MAP_KEYS: tuple[KeyPath, ...] = (("world",), ("knowledge", "map"), ("knowledge",
 
 
 def resolved(document: Document, key: KeyPath) -> Path | None:
-    """Return the path of a file that a task names; None if it names none."""
+    """Return the path of the file that a task names under the path of keys `key`; None if it names none
+    there.
+
+    Raises:
+        UnsafePath: the file is outside the folders that a task may use.
+    """
     node, there = document.root.deepest(key)
     if not there or not isinstance(node.content, str) or (key == MAP_KEY and node.content == NO_MAP):
         return None

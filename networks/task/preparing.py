@@ -182,7 +182,7 @@ class _Read:
 
 
 class Checked(NamedTuple):
-    """Results of checking a task without a robot."""
+    """Results of checking a task without a robot: its warnings, and facts and errors about its places."""
 
     task: Task
     warnings: tuple[str, ...]
@@ -325,7 +325,7 @@ def _checked(read: _Read) -> Checked:
 
 
 def make_robot(task: Task, backend: Backend, spec: RobotFile, model: WorldModel) -> Robot:
-    """Return the robot at the start pose of the task."""
+    """Return the robot of a task, whose pose estimate begins at the task's start if this pose is known."""
     grid = model.map if task.file.knowledge else None
     start = task.knowledge.start if task.knowledge.is_start_known else None
     return Robot(backend, spec, start, grid, is_start_exact=is_without_map(task.document))

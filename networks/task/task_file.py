@@ -83,9 +83,10 @@ class Task:
     """Content of the files that the task names."""
 
     def path(self, *key: str) -> Path | None:
-        """Return the path of a file that the task names; None if the task names none.
+        """Return the path of the file that the task names under the keys `key`; None if it names none there.
 
-        It is relative to the task's file, or to the current folder if it was set on the command line.
+        A name in the file is relative to the task's folder, one set on the command line to the current
+        folder.
         """
         return resolved(self.document, key)
 

@@ -42,7 +42,8 @@ class TaskKnowledge:
     """False if a file with places, or of a domain, is missing or its places can't be read."""
 
     def names(self) -> dict[str, Collection[object]]:
-        """Return the names that actions' parameters may have, by kind, such as `places`.
+        """Return the names that may be values of actions' parameters, by kind, such as the names of all
+        `places`.
 
         A kind is missing if the task names no file for it, or if the file cannot be read.
         """

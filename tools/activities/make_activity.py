@@ -20,7 +20,9 @@ def make_activity(
         bool, typer.Option("--list", help="list what can be made, and why the others can't")
     ] = False,
 ) -> None:
-    """Write world.yaml, map.yaml, places.yaml, objects.yaml, activity.yaml and task.yaml of an activity."""
+    """Write world.yaml, map.yaml, places.yaml, objects.yaml, activity.yaml and task.yaml of an activity,
+    which is a household task.
+    """
     if listed:
         from handcart.evaluation.activities.listing import list_activities, summary_lines
 

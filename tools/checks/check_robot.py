@@ -29,7 +29,7 @@ PICTURE_SUFFIXES = (".svg", ".png", ".pdf")
 
 
 class NoSuchPicture(InputError):
-    """Error, because a picture of the requested kind can't be drawn."""
+    """Error, because the drawing's file has a suffix for which no picture can be drawn."""
 
 
 def robot_facts(

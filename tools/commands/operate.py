@@ -92,7 +92,9 @@ def break_at(
 
 
 def status(run: LatestRun = None, as_json: Json = False) -> None:
-    """Report the state of a run."""
+    """Print the activity and the situation of a run, the running action, and a question that waits for an
+    answer.
+    """
     _say("status", _or_latest(run), as_json)
 
 

@@ -65,7 +65,8 @@ class Handlers:
     async def events(self, request: web.Request) -> web.StreamResponse:
         """Stream lines of JSON with the states of all runs and the holder of the right to command them.
 
-        The first line is sent at once, and another one after each change.
+        The first line is sent at once, and another one after each change or after `BEAT_S` seconds without a
+        change.
         """
         tab = _tab(request)
         answer = web.StreamResponse(headers={"Content-Type": "application/x-ndjson"})
@@ -107,8 +108,8 @@ class Handlers:
         return found if isinstance(found, web.Response) else _json(found)
 
     async def why(self, request: web.Request) -> web.Response:
-        """Send the reason why an action was chosen, with the success probabilities and times of its
-        alternatives.
+        """Send the reason why an action was chosen: its alternatives, with their probabilities of the goal
+        and times.
         """
         folder, number = self._folder(request), int(request.match_info["number"])
         found = await self._away(lambda: RunDetails(folder, True).why(number))

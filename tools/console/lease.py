@@ -46,8 +46,8 @@ class Lease:
         self._open[tab] = self._open.get(tab, 0) + 1
 
     def gone(self, tab: str) -> None:
-        """Record that a browser tab has closed a connection; the tab keeps the right to command for `GONE_S`
-        seconds.
+        """Record that a browser tab has closed a connection; after its last one, the tab keeps the right to
+        command for `GONE_S` seconds.
         """
         left = self._open.pop(tab, 1) - 1
         if left > 0:

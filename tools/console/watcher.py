@@ -40,7 +40,9 @@ class Watcher:
         self._changed = asyncio.Condition()
 
     async def watch(self) -> None:
-        """Look for changes of the folder's runs every `LOOKS_S`, and notify the clients, until cancelled."""
+        """Look for changes of the folder's runs every `LOOKS_S` seconds, and notify the clients, until
+        cancelled.
+        """
         count = 0
         while True:
             before = self.states()

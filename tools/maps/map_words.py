@@ -53,12 +53,15 @@ def save_map(path: Path, grid: GridMap, source: Path) -> None:
 
 
 def numbers(text: str, option: str, count: int | None = None) -> list[float]:
-    """Parse numbers separated by commas.
+    """Parse numbers separated by commas, in [m].
 
     Args:
         text: text given by the user.
         option: name of the option, used in messages.
         count: required number of values; None: any even number from six on.
+
+    Raises:
+        typer.BadParameter: the count is wrong, or a part is not a finite number.
     """
     found = [number_in(word.strip()) for word in text.split(",")]
     is_right = len(found) == count if count is not None else len(found) >= 6 and len(found) % 2 == 0

@@ -296,7 +296,7 @@ def service_names(tasks: Sequence[Path]) -> dict[str, Path]:
 
 
 def state_text(state: Mapping[str, Any]) -> str:
-    """Return the state of the present run, as a mapping from `RunDesk.state`, as a JSON text."""
+    """Return the state of runs, as a mapping from `RunDesk.state`, as a JSON text."""
     return orjson.dumps(dict(state)).decode()
 
 

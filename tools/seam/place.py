@@ -23,7 +23,11 @@ def place(
         typer.Option(help="a file with the work piece (default: nothing is in the arm's way)"),
     ] = None,
 ) -> None:
-    """Divide a path among places of the base; write task.yaml with its files, and placements.svg."""
+    """Divide the path of a tool among places of the base, from which the arm reaches its parts; write a task
+    and its files.
+
+    The folder gets task.yaml with the files that it names, and the picture placements.svg.
+    """
     from handcart.backends.description.robot_file import UnknownPosture
     from handcart.backends.loading.robot_loading import load_robot
     from handcart.evaluation.seam.seam_placing import NoToolArm, place_seam, write_task

@@ -17,7 +17,7 @@ SILENT_TIME_S = 1.0
 
 @contextmanager
 def first_words(what: str) -> Iterator[Callable[[], None]]:
-    """Context that prints a message to stderr if the work in it takes longer than a second.
+    """Print a message to stderr if the work in this context takes longer than a second.
 
     The message is not printed after the yielded function was called. A stage (`begin_stage`) that takes
     longer than a second is printed with its name, once. Import the modules of a command in this context too:

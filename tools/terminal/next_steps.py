@@ -21,7 +21,7 @@ STEPS_BY_OUTCOME = {
 
 
 def ended_words(summary: Mapping[str, Any]) -> str:
-    """Return how a run ended, and its folder, by its summary."""
+    """Return a line of text with a run's outcome, situation, reason and folder, taken from its summary."""
     reason = f": {summary['reason']}" if summary["reason"] else ""
     ended = f"{summary['outcome']} in situation {summary['situation']}{reason}"
     if summary["outcome"] == "Cancelled":

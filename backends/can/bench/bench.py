@@ -22,7 +22,11 @@ Act = Callable[["Bench", DriveNode], None]
 
 
 class Bench:
-    """Simulated drives of all axes of a robot. Each SYNC advances drives and robot by one control period."""
+    """Simulated CAN drives of all axes of a robot, for work without hardware.
+
+    Each SYNC advances the drives by one control period, and with them the simulated robot that they move, if
+    there is one.
+    """
 
     def __init__(
         self, robot: RobotFile, spec: CanSpec, inner: Backend | None, bus: can.BusABC | None = None
@@ -64,8 +68,8 @@ class Bench:
 
     @property
     def line(self) -> CanLine:
-        """End of the simulated bus to which the drives are connected; a frame sent here reaches the program
-        like a frame of a node.
+        """The drives' end of the simulated CAN bus; a frame sent here reaches the program as if a drive had
+        sent it.
         """
         return self._drives.line
 
@@ -75,7 +79,7 @@ class Bench:
         return self.master
 
     def serve(self) -> None:
-        """Let the simulated drives receive all frames that were sent to them, and answer."""
+        """Let the simulated drives process all frames that were sent to them, and send their answers."""
         self._drives.serve()
 
     def tick(self, seconds: float) -> None:

@@ -58,7 +58,7 @@ class BenchBus(can.BusABC):
             self._inner.send(msg, timeout)
 
     def plug_in(self) -> None:
-        """Reconnect the cable and send the queued frames."""
+        """Simulate that the cable is connected again: send the frames that were held back meanwhile."""
         self.holds = False
         for frame in self.held:
             self._inner.send(frame)

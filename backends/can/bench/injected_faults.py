@@ -22,7 +22,7 @@ class UnknownFault(InputError):
 
 
 class InjectedFault(NamedTuple):
-    """A fault of a drive or of the bus that a bench can cause."""
+    """A fault of a drive or of the bus that a bench can cause on request, to test the reaction to it."""
 
     rows: str
     """Row ids in docs/reference/faults.md."""

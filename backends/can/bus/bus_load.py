@@ -45,7 +45,7 @@ class CyclicFrame(NamedTuple):
 
 @dataclass(frozen=True)
 class BusLoad:
-    """Load of a CAN bus by the frames that are sent in every control period."""
+    """Load of a CAN bus by cyclic frames, which are sent in each control period or every few periods."""
 
     frames: tuple[CyclicFrame, ...]
     bitrate: int
@@ -76,5 +76,5 @@ class BusLoad:
 
     @property
     def too_much(self) -> bool:
-        """True if the cyclic frames take a larger share of the bus than `MAX_CYCLIC_LOAD`."""
+        """True if the cyclic frames take more than 70 % of the bus's capacity (`MAX_CYCLIC_LOAD`)."""
         return self.share > MAX_CYCLIC_LOAD

@@ -49,7 +49,9 @@ class CanLine(canopen.Network):
         """The last of these frames, as text; empty before the first."""
 
     def listen(self, heard: Heard) -> None:
-        """Register a further function that is called with each sent or received frame."""
+        """Register a further function that is called with each frame, and with True if this program sent the
+        frame.
+        """
         self._heard.append(heard)
 
     def send_message(self, can_id: int, data: bytes, remote: bool = False) -> None:

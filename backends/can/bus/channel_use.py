@@ -56,11 +56,11 @@ def own_channel(name: str) -> str:
 
 
 def other_channel_hint(interface: str, name: str) -> str:
-    """Return the part of an error message that names a free channel when another program uses the channel.
+    """Return the end of an error message about a channel that is in use: it says which channels are allowed.
 
     Args:
         interface: name of the python-can interface.
-        name: name of the robot, from which a channel is proposed for `udp_multicast`.
+        name: name of the robot; for `udp_multicast`, a free channel computed from it is given as an example.
     """
     example = f", such as {own_channel(name)}" if interface == UDP_MULTICAST else ""
     return f"allowed: a channel for each robot or bench{example}, here and in the robot's file"

@@ -107,7 +107,7 @@ class SilentDrive(CanFault, TimeoutError):
 
 
 class LostAnswers(CanFault):
-    """Error: a drive left more of the latest SYNCs unanswered than its limit allows."""
+    """Error: a drive did not answer too many of the latest SYNCs; the message states how many are allowed."""
 
     def __init__(self, drive: str, lost: int, of: int, allowed: str) -> None:
         super().__init__(f"{drive} is unreliable: {lost} of {of} answers didn't come; allowed: {allowed}")
@@ -137,7 +137,7 @@ class EncoderWraps(CanFault):
 
 @dataclass(frozen=True)
 class Difference:
-    """A setting of a drive that has another value than the one written to it."""
+    """Setting of a drive whose value, when it is read back, differs from the value that was written."""
 
     drive: str
     index: int
@@ -201,7 +201,7 @@ class Overloaded(CanFault):
 
 
 class OffDemand(CanFault):
-    """Error: the measured motion of an axis does not follow its commands."""
+    """Error: the measured motion of an axis does not follow the axis' commands."""
 
     def __init__(self, drive: str, what: str) -> None:
         super().__init__(f"{drive} doesn't follow: {what}")

@@ -11,7 +11,9 @@ from handcart.files.models.model import FileModel
 
 
 class PdoField(FileModel):
-    """An object of a node's object dictionary that a PDO contains, with its name and its length."""
+    """An object of a node's object dictionary that a PDO contains, with the object's name and length in
+    [bits].
+    """
 
     index: int
     subindex: int

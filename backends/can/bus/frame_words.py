@@ -102,7 +102,10 @@ class FrameWords:
 
 
 def state_word(statusword: int) -> str:
-    """Return the CiA 402 state that a statusword (6041h) encodes."""
+    """Return the name of the CiA 402 state that a statusword (6041h) encodes, such as "OPERATION ENABLED".
+
+    For a statusword that encodes none, the text contains the word in hexadecimal.
+    """
     matches = (name for name, (mask, bits) in State402.SW_MASK.items() if statusword & mask == bits)
     return next(matches, f"statusword {statusword:04X}h")
 

@@ -29,7 +29,9 @@ class Heartbeat:
         self._sent: float | None = None
 
     def beat(self) -> None:
-        """Send a heartbeat if about one heartbeat time has passed since the last."""
+        """Send a heartbeat if at least 90 % of the interval between heartbeats have passed since the last
+        one.
+        """
         now = self._clock()
         if self._sent is None or now - self._sent >= _EARLY * self._every:
             self._line.send_message(0x700 + self._node, bytes([_OPERATIONAL]))

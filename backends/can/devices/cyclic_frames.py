@@ -13,7 +13,7 @@ _SYNC, _HEARTBEAT = 0x080, 0x700
 
 
 def bus_load(spec: CanSpec, period: float) -> BusLoad:
-    """Return the load of the CAN bus by the frames that are sent in each control period of `period` [s]."""
+    """Return the load of the CAN bus by a robot's cyclic frames, with a control period of `period` [s]."""
     return BusLoad.of(cyclic_frames(spec, period), 1000 * spec.bitrate_kbit_s)
 
 

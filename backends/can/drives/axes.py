@@ -118,7 +118,7 @@ class Axes(Mapping[str, Axis]):
             check.check()
 
     def end_handshakes(self) -> None:
-        """Clear the controlwords' bit "new set-point" of all drives that have answered to it."""
+        """Clear the bit "new set-point" in the controlword of each drive that has acknowledged this bit."""
         for axis in self.values():
             axis.end_handshake()
 
@@ -133,7 +133,9 @@ class Axes(Mapping[str, Axis]):
 
     @property
     def at_rest(self) -> bool:
-        """True if all drives have answered the last SYNC and report a velocity of about zero."""
+        """True if all drives have answered the last SYNC, each with a velocity of at most 1 % of its axis'
+        top speed.
+        """
         return all(axis.answered and axis.stands for axis in self.values())
 
     @property

@@ -176,7 +176,7 @@ class Axis(canopen.RemoteNode):
             self.network.unsubscribe(pdo.cob_id, pdo.on_message)
 
     def add_sdo(self, rx_cobid: int, tx_cobid: int) -> SdoClient:
-        """Create an SDO client for this node, which, unlike canopen's own, needs no receiving thread."""
+        """Create an SDO client with these COB-IDs which, unlike canopen's own, needs no receiving thread."""
         client = LineSdoClient(rx_cobid, tx_cobid, self.object_dictionary)
         self.sdo_channels.append(client)
         return client
@@ -321,7 +321,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def jump(self) -> str:
-        """Size, and likely cause, of the first change of measured position too fast for the axis, as text."""
+        """Text on the first change of position that was too fast for the axis: its size and likely cause."""
         bits = encoder_bits(self._jump - self._jump_way, 0.1 * abs(self._jump_way) + 2.0)
         size = f"by {self._jump} counts ({self._jump / self.units.scale:.3g} m or rad)"
         if bits is None:
@@ -372,7 +372,7 @@ class Axis(canopen.RemoteNode):
 
     @property
     def drive_state(self) -> str:
-        """CiA 402 state by the last statusword."""
+        """Name of the drive's CiA 402 state, by the last received statusword."""
         return state_of(self._status)
 
     @property
@@ -395,6 +395,6 @@ class Axis(canopen.RemoteNode):
 
 
 def state_of(statusword: int) -> str:
-    """Return the CiA 402 state that a statusword encodes."""
+    """Return the name of the CiA 402 state that a statusword (6041h) encodes, or "unknown ..."."""
     matches = (name for name, (mask, bits) in State402.SW_MASK.items() if statusword & mask == bits)
     return next(matches, f"unknown (statusword {statusword:04X}h)")

@@ -45,8 +45,7 @@ class AxisCheck:
         """Check the axis after a period.
 
         Raises:
-            SilentDrive: the drive has not answered for `STATUS_TIMEOUT_S`, or for two periods if those are
-                longer.
+            SilentDrive: the drive has not answered for 0.1 s, or for two periods if two periods are longer.
             LostAnswers: more than 5 of the drive's last 100 answers were lost.
             DriveNotReady: the drive is not in OPERATION ENABLED, or not in its mode of operation.
             OffDemand: the drive does not follow its commands.

@@ -36,7 +36,13 @@ class ObjectValue:
 
 
 def settings(axis: Axis, spec: CanSpec, period: float) -> list[ObjectValue]:
-    """Return all settings of a drive except its PDOs; `period` is the time between two SYNCs [s]."""
+    """Return the objects that configure a drive, each with the value to write, except those of its PDOs.
+
+    Args:
+        axis: axis with the drive.
+        spec: the section `can` of the robot's file.
+        period: time between two SYNCs, in [s].
+    """
     planned = [*_communication(spec, period), *_stopping(axis), *_ramps(axis), *_mode(axis, period)]
     wanted = [item for item in planned if item.index not in axis.left_out]
     optional = [item for item in wanted if (item.index, item.subindex) in _IF_THERE]

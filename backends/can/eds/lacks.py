@@ -71,7 +71,7 @@ def left_out(axis: AxisSpec) -> frozenset[int]:
 
 
 def lack_of(index: int) -> Without | None:
-    """Return the feature, by its name for `without` in the robot's file, that needs a CANopen object.
+    """Return the feature to which a CANopen object belongs, by its name for `without` in the robot's file.
 
     None if every drive needs the object.
     """
@@ -92,5 +92,7 @@ def accepting(index: int) -> str:
 
 
 def not_watched(axis: AxisSpec) -> list[str]:
-    """Return, for each feature that a drive lacks by the robot's file, a message with the consequence."""
+    """Return a message for each feature that a drive lacks by the robot's file, with the consequence of the
+    lack.
+    """
     return [f"without {DEVICE_LACKS[item].what}: {DEVICE_LACKS[item].then}" for item in axis.without]

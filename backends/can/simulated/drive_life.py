@@ -66,7 +66,7 @@ class DriveLife:
         return int(State402.SW_MASK[self._state][1]) | 0x0210
 
     def control(self, controlword: int) -> None:
-        """Execute a controlword (6040h)."""
+        """Execute the state transition that a controlword (6040h) commands."""
         rising = controlword & ~self._controlword
         self._controlword = controlword
         self._go("_reset" if rising & 0x80 else _trigger(controlword))

@@ -17,7 +17,9 @@ NEW_SETPOINT, AT_ONCE, RELATIVE = 1 << 4, 1 << 5, 1 << 6
 
 @dataclass
 class Demand:
-    """Set-points of a simulated drive's motor, as the drive plans them in each period."""
+    """Set-points of position and velocity for a simulated drive's motor, which the drive plans in each
+    period.
+    """
 
     position: float = 0.0
     """Position of the motor, in [counts]; homing doesn't change it."""
@@ -50,7 +52,7 @@ class DriveMode(ABC):
         return
 
     def control(self, controlword: int, rising: int) -> None:
-        """Handle a controlword (6040h).
+        """React to a received controlword (6040h), for example by accepting a new set-point.
 
         Args:
             controlword: the received word.

@@ -19,7 +19,9 @@ from .watch import Watch
 
 
 class BusGuard:
-    """Monitor of a CAN bus that combines all watches (`Watch`) and passes every frame to them."""
+    """Monitor of a CAN bus that combines detectors of single kinds of fault (`Watch`), and passes every frame
+    to them.
+    """
 
     def __init__(self, line: CanLine, axes: Axes, spec: CanSpec, clock: Callable[[], float]) -> None:
         """Begin to listen.
@@ -58,10 +60,10 @@ class BusGuard:
         self._traffic.begin(self._clock())
 
     def check(self) -> None:
-        """Check the CAN bus by all its monitors (watches); called once a period.
+        """Check the CAN bus by all detectors of faults (`Watch`); called once a period.
 
         Raises:
-            CanFault: one of the watches found a fault.
+            CanFault: one of the detectors found a fault.
         """
         now = self._clock()
         for watch in self._watches:

@@ -52,8 +52,8 @@ class TrafficWatch(Watch):
         self._bits += bits
 
     def check(self, now: float) -> None:
-        """Raise `Overloaded` if the bus load was above `BUSIEST` for half of `WINDOW`, or at least
-        `MAX_MALFORMED_PER_S` malformed frames came within a second.
+        """Raise `Overloaded` if the bus is too busy: its load stayed above 70 % for 50 ms (`BUSIEST`,
+        `WINDOW`), or at least 10 malformed frames came within a second.
 
         Args:
             now: present time, in [s].
