@@ -187,7 +187,9 @@ class KinematicRangeSensor(SimulatedRangeSensor):
         return cls(site.spec, mount, site.scene, site.seed)
 
     def scan_later(self) -> Callable[[], Scan]:
-        """Return a function that returns this period's scan; no ray is cast before it is called."""
+        """Return a function that casts the rays of this period's scan when it is called, and returns the
+        scan.
+        """
         period, base, time = self._now, self._scene.base, self._scene.time
         if self._last is not None and self._last[0] == period:
             return super().scan_later()

@@ -287,7 +287,7 @@ class PhysicsBackend(SimulatedBackend):
 
     @property
     def held_name(self) -> str | None:
-        """Name of the thing that the fingers hold; None if they hold nothing."""
+        """Name of the thing that the fingers hold; None if the fingers hold nothing."""
         return None if self._held is None else self._held.name
 
     @held_name.setter

@@ -54,5 +54,7 @@ class PropsBody:
 
     @property
     def keeps_grip(self) -> bool:
-        """True if the hand counts as holding its object even when the fingers do not press on the object."""
+        """True if the hand counts as holding its object now, even if the fingers do not press on the object.
+        By default it does not.
+        """
         return False

@@ -16,7 +16,9 @@ _HULL_MARGIN = 0.001  # margin that Bullet adds around a hull [m]
 
 
 def floor_look(client: int) -> int:
-    """Return the number of Bullet's visual shape of a level floor."""
+    """Create a visual shape of a level floor in the Bullet client with number `client`; return the shape's
+    number.
+    """
     p = bullet()
     return int(
         p.createVisualShape(
@@ -73,8 +75,8 @@ def tile_shape(client: int, cell: float, heights: FloatArray) -> tuple[int, int]
 
 
 def thing_shape(client: int, pieces: Sequence[Piece]) -> int:
-    """Return Bullet's number of a collision shape made of all pieces of a thing, centred at the thing's
-    middle.
+    """Create a collision shape of all pieces of a thing, centred at the thing's middle, in the Bullet client
+    with number `client`. Return the shape's number.
     """
     p = bullet()
     if len(pieces) == 1 and isinstance(pieces[0], Cuboid) and pieces[0].ahead == 0.0:

@@ -23,8 +23,8 @@ class Bodies:
         """Return the class whose instances represent an object of the scene in a physics engine.
 
         Args:
-            what: a movable thing, or the props (all things of an application domain); a class for one of its
-                base classes is used if it has none of its own.
+            what: a movable thing, or the props (all things of an application domain). If the table has no
+                entry for the object's own class, the entry of the nearest base class is used.
             default: result if no class represents the object.
         """
         found = (self._by_class[kind] for kind in type(what).__mro__ if kind in self._by_class)

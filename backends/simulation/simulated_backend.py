@@ -128,7 +128,9 @@ class SimulatedBackend(Backend):
             sensor.advance(self._periods)
 
     def get(self, kind: type[CapabilityT]) -> CapabilityT | None:
-        """Return the capability of a kind, from a cache, because it is requested many times in a period."""
+        """Return the robot's part that implements an interface such as `Arm` (a capability); None if the
+        robot has no such part. The result is cached, because it is requested many times in a period.
+        """
         if kind not in self._by_kind:
             self._by_kind[kind] = super().get(kind)
         return self._by_kind[kind]  # type: ignore[return-value]

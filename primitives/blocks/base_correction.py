@@ -31,11 +31,12 @@ View = Generator[None, None, Fixed]
 
 
 class FixOnce:
-    """Base class of corrections of the base's turn and tilt before placing a block; itself corrects nothing.
+    """Base class of corrections of the base's turn and tilt before placing a block; this class corrects
+    nothing.
 
-    A robot on wheels with suspension turns and tilts as its loaded arm moves (Hatano et al. 2000). A
-    fixation is a measurement of the base's pose at a landmark. The base moves between the last fixation and
-    the placing. One instance serves one attempt.
+    A robot on wheels with suspension turns and tilts as its loaded arm moves (Hatano et al. 2000). A fixation
+    is a measurement of the base's pose at a landmark. The base moves between the last fixation and the
+    placing. One instance serves one attempt.
     """
 
     needs_imu: ClassVar[bool] = False
@@ -62,9 +63,10 @@ class FixOnce:
         yield
 
     def measure_over_goal(self, robot: Robot) -> Generator[None, None, bool]:
-        """Measure the base's motion while the hand holds the block over its goal, if the correction needs it.
+        """Measure how the base has moved while the hand holds the block over its goal, if the correction
+        needs that.
 
-        Return whether the goal in the base frame has to be computed again.
+        Return True if the goal has to be computed again in the base frame, because a motion was measured.
         """
         return False
         yield

@@ -89,5 +89,5 @@ class Building(FileModel):
 
 
 def name_of_block(number: int) -> str:
-    """Return the name of a block in the simulated world and in sensor readings."""
+    """Return the name of the block with a number, from 1, in the simulated world and in sensor readings."""
     return f"block {number}"

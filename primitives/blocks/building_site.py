@@ -32,7 +32,8 @@ def surroundings(robot: Robot, model: ModelView) -> tuple[Box, ...]:
 def standing(robot: Robot, model: ModelView) -> Pose2:
     """Return the pose map_T_base of the base.
 
-    The pose measured at a landmark is returned if the wheels have not moved since, otherwise the localizer's.
+    The pose measured at a landmark is returned if the wheels have not moved since that measurement, otherwise
+    the pose that the localizer estimates.
     """
     fixed = model.of(Blocks).fixed
     here = fixed is not None and fixed.travel == robot.base.wheel_travel()

@@ -135,8 +135,8 @@ def fixate(
         robot: robot with its arm in any posture.
         view: planned view of the landmark.
         sought: the landmark, all landmarks of the plan, and the estimated pose of the base.
-        rule: rule by which the hand stops as near enough to its planned pose; `paper` also ignores the
-            remaining error of the hand.
+        rule: rule that decides when the hand is near enough to its planned pose; the rule `paper` also
+            ignores the remaining error of the hand.
         evidence: evidence of the attempt, to which the last picture is added.
         held: object in the hand, posed in the hand frame.
         around: obstacles for the arm, in the base frame.
@@ -146,8 +146,8 @@ def fixate(
             the search starts; None: unknown.
 
     Raises:
-        Discrepancy: the landmark is not found, cannot be distinguished from another one, or the hand does
-            not reach its view of it.
+        Discrepancy: the landmark is not found, cannot be distinguished from another one, or the hand does not
+            reach its view of it.
     """
     start = view.base_T_hand if known is None else placing_posture(known.lift(), view.base_T_hand)
     yield from move_to_pose(robot, start, held, around)

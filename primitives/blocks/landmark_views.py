@@ -243,12 +243,13 @@ class LandmarkViews:
 
 
 def offsets(rings: int) -> list[tuple[float, float]]:
-    """Return where to take further camera views in search of a landmark.
+    """Return the positions of further camera views in search of a landmark.
 
-    The result has x and y relative to the first view, in [m], the nearest first.
+    Each is x and y relative to the first view, in [m]. They are on a square grid around the first view, the
+    nearest first.
 
     Args:
-        rings: number of rings of a square grid around the first view.
+        rings: number of rings of the grid around the first view.
     """
     steps = [SEARCH_STEP_M * n for n in range(-rings, rings + 1)]
     views = [(x, y) for x in steps for y in steps if (x, y) != (0.0, 0.0)]

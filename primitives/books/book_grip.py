@@ -30,7 +30,7 @@ def holds(robot: Robot, book: Book) -> bool:
 
 
 def book_in(model: ModelView) -> str:
-    """Return the name, in simulated worlds, of the book that was recognized; empty if none was."""
+    """Return the name, in simulated worlds, of the recognized book; empty if no book was recognized."""
     book = model.of(Books).book
     return "" if book is None else name_of_book(book)
 

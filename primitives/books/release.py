@@ -60,11 +60,11 @@ SAME_PLACE = 0.012  # [m] between where the book was let go and where its label 
 
 
 class Release(HeldBookPrimitive):
-    """Let the book go in its slot and push it home: lower, open, back off, close, push, withdraw, look.
+    """Release the book in its slot and push it fully in: lower, open, back off, close, push, withdraw, look.
 
-    Once the fingers have opened, the action cannot be undone, because a book that is pushed home cannot be
-    gripped. In the end its label must be read in its slot, between the right neighbours; otherwise the action
-    gives up.
+    Once the fingers have opened, the action cannot be undone, because a book that is fully in its slot cannot
+    be gripped. In the end its label must be read in its slot, between the right neighbours; otherwise the
+    action gives up.
     """
 
     shelf: PlaceName

@@ -31,18 +31,20 @@ SLOT_BRIGHTNESS_RATIO = 0.65  # a slot's brightness, against the spine's
 
 
 def seen_past(view: HandView) -> Strips:
-    """Return averaged rows of a picture that show the shelf beside a held book, at the height of the book."""
+    """Return strips of averaged picture rows that show the books on the shelf next to a held book, at its
+    height.
+    """
     return _strips(view, STRIP_HEIGHTS_M)
 
 
 def slot_edge(strips: Strips, expected: float, within: float, surely: float) -> float | None:
     """Return y of a slot's left side in the shelf frame, in [m]; None if no such side is seen.
 
-    In most shelves a slot is darker than its neighbour. An edge that is darker on the slot's side therefore
-    takes precedence over others.
+    In most shelves a slot is darker than the book to its left. An edge (change of brightness) that is darker
+    on the slot's side therefore takes precedence over others.
 
     Args:
-        strips: averaged rows of the picture, where it shows the shelf past the held book.
+        strips: averaged rows of the picture, where it shows the shelf next to the held book.
         expected: y of the side in an earlier view, in [m].
         within: maximum distance of a darker edge from `expected`, in [m].
         surely: maximum distance of another edge from `expected`, in [m].
@@ -62,10 +64,11 @@ def moved(strips: Strips, sides: Sequence[float], within: float) -> float | None
     """Return the common shift of the books' sides since an earlier view, in [m]; None if too few agree.
 
     At least two sides, and half of those in view, must agree. Any edge in the picture may be any of the
-    sides. The shift in which most sides agree is returned; if several do, the smallest of them.
+    sides. The shift in which most sides agree is chosen, the smallest one of several. The median shift of the
+    agreeing sides is returned.
 
     Args:
-        strips: averaged rows of the picture, where it shows the shelf past the held book.
+        strips: averaged rows of the picture, where it shows the shelf next to the held book.
         sides: y of the books' left and right sides in an earlier view, in the shelf frame, in [m].
         within: maximum shift, in [m].
     """
@@ -88,8 +91,8 @@ def moved(strips: Strips, sides: Sequence[float], within: float) -> float | None
 def side_near(strips: Strips, expected: float) -> float:
     """Return y of the visible edge nearest to an expected side of a book, in the shelf frame, in [m].
 
-    Without an edge within `SIDE_SHIFT_TOLERANCE_M` of it, for example with a dark spine before a dark slot,
-    `expected` is returned.
+    If no edge is visible within `SIDE_SHIFT_TOLERANCE_M` of `expected`, for example between a dark spine and
+    a dark slot, `expected` is returned.
     """
     near = [y for y in all_sides(strips) if abs(y - expected) < SIDE_SHIFT_TOLERANCE_M]
     return min(near, key=lambda y: abs(y - expected), default=expected)

@@ -28,7 +28,7 @@ _ATTRIBUTES = ("LOAD_ATTR", "LOAD_METHOD")
 
 
 class ClockRead(NamedTuple):
-    """A place in the code that reads the wall clock."""
+    """Place in the code (file, line and function) that reads the wall clock."""
 
     function: str
     """Name in the code, such as `time.monotonic`."""

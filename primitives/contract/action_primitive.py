@@ -236,7 +236,9 @@ class ActionPrimitive(FileModel, ABC):
         self._intents.passed(what)
 
     def found(self, **what: float | str) -> None:
-        """Record findings by name for the journal and the summary; a later value replaces an earlier one."""
+        """Record measured or derived values by name for the journal and the summary, as in
+        `found(force_n=3.1)`. A later value of a name replaces an earlier one.
+        """
         self._evidence.facts.update(what)
 
     @property

@@ -102,7 +102,7 @@ class Doors(Section):
     def swept_areas(self) -> list[FloatArray]:
         """Return outlines (n, 2) on the map, in [m], of the areas that the doors sweep.
 
-        What the map shows there may be a door itself, where it was when the map was made.
+        An obstacle that the map shows there may be the door itself, at its opening when the map was made.
         """
         return [door.movable_area().outline for door in self.doors.doors.values()]
 

@@ -68,7 +68,9 @@ class DoorsFile(FileModel):
 
 
 def gripper_findings(document: Document, file: DoorsFile, opening_mm: float) -> Iterator[Finding]:
-    """Yield a finding for each handle that is too thick for fingers that open by `opening_mm`."""
+    """Yield a finding for each door handle in a file that is too thick for fingers that open by `opening_mm`.
+    `document` has the lines of the file, for the places of the findings.
+    """
     for name, door in file.doors.items():
         if door.handle.width_mm >= opening_mm:
             wrong = f"the bar is too thick for the fingers: {door.handle.width_mm:g} mm"

@@ -81,7 +81,8 @@ def measured_bias(robot: Robot) -> Generator[None, None, FloatArray]:
 
 
 def yield_to_force(robot: Robot, bias: FloatArray) -> Generator[None, None, None]:
-    """Let a hand that has just closed on a handle give way to the force on it.
+    """Let a hand that has just closed on a handle give way to the force on the hand, for `RELAX_PERIODS`
+    periods.
 
     Args:
         robot: robot whose hand holds a handle.
@@ -163,7 +164,7 @@ def pull(
 
 def is_blocked(travels: Sequence[float]) -> bool:
     """Return whether a handle has advanced by less than `BLOCKED_TRAVEL_M` in the last `BLOCKED_PERIODS`
-    periods.
+    periods; False while there are fewer periods.
 
     Args:
         travels: travel of the handle along its path up to the end of each period, in [m].

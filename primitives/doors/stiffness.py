@@ -53,7 +53,7 @@ class Stiffness:
         return SHARE * (self._most - resistance) / self._now
 
     def sudden_step(self) -> float:
-        """Return the longest step of the arm's command, in [m], that keeps the force within its limit if the
-        handle stops abruptly.
+        """Return the longest step of the arm's command, in [m], after which the force stays within its limit,
+        even if the handle stops abruptly.
         """
         return (self._sudden - MARGIN_N) / self._first

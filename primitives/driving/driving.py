@@ -77,7 +77,7 @@ def no_way(name: str, way: Way) -> Discrepancy:
 
 
 def held_before(place: str, held: HoldingObstacle) -> Discrepancy:
-    """Return a `Discrepancy` because an obstacle holds up the base on its way to a place.
+    """Return a `Discrepancy` whose reason is that an obstacle has stopped the base on its way to a place.
 
     Args:
         place: name of the place.
@@ -190,8 +190,8 @@ class FieldObstacleMonitor:
         return np.asarray(sensed[np.hypot(*(sensed - blocking).T) < OBSTACLE_MEMORY_RADIUS_M])
 
     def around(self, robot: Robot, blocking: FloatArray) -> FloatArray:
-        """Return the points (n, 2) of the obstacle to which `blocking` (2,) belongs, a point that closes the
-        path.
+        """Return the points (n, 2) of the obstacle to which the point `blocking` (2,) on the car's path
+        belongs.
 
         The result is `blocking` itself and the points near it in this period's scan that may be obstacles;
         all are in the field's frame, in [m].

@@ -97,7 +97,8 @@ class ExploringLook:
 
         Args:
             here: current pose of the base, map_T_base.
-            current: frontier that the base drives to now, which is preferred; None if there is none.
+            current: frontier to which the base drives now, and which is preferred to others; None if the base
+                drives to no frontier.
         """
         if self._map.is_search_due:
             self._map.search()

@@ -86,7 +86,9 @@ class LocalReplanning:
 
     @property
     def waits_since(self) -> float | None:
-        """Time since which the base has waited for an obstacle or people, in [s]; None if it does not."""
+        """Time since which the base has waited for an obstacle or people, in [s]; None if the base does not
+        wait.
+        """
         since = [item for item in (self.blocked_since, self.people.waits_since) if item is not None]
         return min(since, default=None)
 
@@ -126,7 +128,8 @@ class LocalReplanning:
         self._model.sensed_cells = self.people.without_people(self._near.cells())
 
     def plan(self, robot: Robot) -> Generator[None, None, RouteLook]:
-        """Plan a route from the base's pose to the drive's goal; the base holds until it is found.
+        """Plan a route from the base's pose to the drive's goal, and return it; the base stands still until a
+        route is found.
 
         Raises:
             Discrepancy: no route leads to the goal.
@@ -186,15 +189,16 @@ class LocalReplanning:
     def planned(
         self, robot: Robot, route: FloatArray | None = None, takes: float = PLANNING_S
     ) -> Generator[None, None, RouteLook]:
-        """Plan a route to the goal while the base is stopped; the result's kind is "none" if there is no
-        route.
+        """Plan a route to the goal while the base is stopped; the `kind` of the result is "none" if there is
+        no route.
 
         If sensed obstacles close all routes, those that the lidar has last hit more than `OLD_CELLS_S` ago
         are forgotten.
 
         Args:
             robot: the robot.
-            route: (n, 2) points on the map in [m] of a route that is kept if it is free, or None.
+            route: (n, 2) points on the map, in [m], of an earlier route, which is kept if it is free; None: a
+                new route is planned.
             takes: simulated time that planning takes, in [s].
         """
         look = yield from self._least_room(robot, route, takes)
@@ -289,8 +293,8 @@ class LocalReplanning:
         """Drive straight away from the obstacle before which the base was stopped, and plan a new route.
 
         A base with a circular footprint reverses its last direction. A base with a polygonal footprint drives
-        forwards if the obstacle is near its rear, backwards if it is near its front, and the other way round
-        if the last attempt failed.
+        forwards if the obstacle is near its rear, and backwards if the obstacle is near its front. If the
+        last attempt failed, it drives in the opposite direction.
         """
         self._backed_off += 1
         held = robot.held

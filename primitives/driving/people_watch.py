@@ -105,7 +105,7 @@ class PeopleWatch:
 
     @property
     def sees_people(self) -> bool:
-        """True if the last scan shows people, or the base waits for one who is out of sight now."""
+        """True if the last scan shows people, or if the base waits for a person who is out of sight now."""
         return self.waits_since is not None or len(self.people.radii) > 0
 
     @property
@@ -193,8 +193,8 @@ class PeopleWatch:
         self._level += 1
 
     def try_all_room(self) -> None:
-        """Plan the next route with the full distance to people that the robot's file states, not a reduced
-        one.
+        """Let the next route be planned with the full distance to people that the robot's file states. This
+        ends the effect of `try_less_room`.
         """
         self._level = 0
 

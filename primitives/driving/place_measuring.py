@@ -22,7 +22,8 @@ def measure_place(
     drive: Callable[[Place], Periods],
     report: Callable[..., None],
 ) -> Periods:
-    """Measure the object to which a place belongs, from a stop before the place, and move the place with it.
+    """Measure the object to which a place belongs, from a stop before the place, and move the place with the
+    object.
 
     Nothing happens if the object cannot have moved or was measured before, or if a detour was planned. If
     there is no room for the stop, or the base is nearer to the place already, the robot measures from its

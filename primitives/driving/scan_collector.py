@@ -96,8 +96,8 @@ class ScanCollector:
             self.map.add(self._waiting.pop(0))
 
     def add_here(self, robot: Robot) -> None:
-        """Keep this period's scan as a keyframe, even if the base has hardly moved since the
-        last keyframe.
+        """Keep this period's scan as a keyframe of the map, even if the base has hardly moved since the last
+        keyframe.
         """
         self.times.append(robot.time)
         self._waiting.append(self._keyframe(len(self.times) - 1))

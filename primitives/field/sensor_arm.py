@@ -119,14 +119,14 @@ class SensorArm:
         return np.asarray((point - np.array(mount[:2])) @ np.array([[cos, -sin], [sin, cos]]))
 
     def check_near(self, place: FloatArray, unsure: float) -> None:
-        """Check that a place is in the arm's reach, or may be, given the place's uncertainty.
+        """Check that a place may be in the arm's reach, given the place's uncertainty.
 
         Args:
             place: (2,) in the arm's own frame, in [m].
             unsure: possible error of the place, in [m].
 
         Raises:
-            Discrepancy: the place is out of reach.
+            Discrepancy: the place is out of reach by more than `unsure`.
         """
         if math.hypot(*place) > self.scara.upper + self.scara.fore + unsure:
             raise _out_of_reach(place)

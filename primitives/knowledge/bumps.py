@@ -31,7 +31,7 @@ ROOM_M = 0.05  # [m] beside the footprint where the base is, in which nothing is
 def remember_bump(
     robot: Robot, model: WorldModel | ModelView, forwards: bool, blocked: Blocked | None = None
 ) -> FloatArray:
-    """Record in the world model that the base is stopped, by a contact of its own or of its arm.
+    """Record in the world model a bump, which is a contact of the base or its arm that has stopped the base.
 
     Args:
         robot: robot at the place where it was stopped, or to which it rebounded.

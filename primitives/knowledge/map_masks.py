@@ -33,7 +33,7 @@ class SpeedMask(FileModel):
 
 
 def load_speed_limits(path: Path, spec: SpeedMask) -> SpeedLimits:
-    """Return the limits of the base's speed in each cell of a mask: a map whose values stand for speeds.
+    """Return the limits of the base's speed in each cell of a mask: a map whose values represent speeds.
 
     Args:
         path: the mask's file, in ROS's format of maps.

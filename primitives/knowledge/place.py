@@ -85,7 +85,8 @@ class Place(FileModel):
         """Return the required accuracy of a base's pose at the place.
 
         Args:
-            drive: kind of the drive; a car's default tolerances are larger.
+            drive: kind of the robot's drive, such as "ackermann" for a car; a car's default tolerances are
+                larger.
         """
         usual_mm, usual_deg = DOCKED_MM if self.docks else ARRIVED_MM, ARRIVED_DEG
         if drive == CAR_DRIVE_KIND:
@@ -134,10 +135,11 @@ def load_places(path: Path) -> Loaded[Places]:
 
 
 def is_goals(document: Document) -> bool:
-    """Return whether a file contains navigation goals, as for nav2, and is not a file of places.
+    """Return True if a file contains navigation goals, such as those of nav2; False if it is a file of
+    places.
 
-    The file is a list, or has a list under `waypoints`, `goals` or `poses`, or consists of lines
-    `name: [x, y, theta]`; it has no key `format`.
+    The file is a list, or has a list under `waypoints`, `goals` or `poses`, or consists of lines `name: [x,
+    y, theta]`; it has no key `format`.
     """
     content = document.root.content
     if isinstance(content, dict):

@@ -103,8 +103,8 @@ class MovedKnowledge(Protocol):
 class Section:
     """Part of the world model for one domain, which is a kind of work; its fields are its entries.
 
-    Entries in `LEARNED` are found out in a run; the others are read from files before it. Each has a default,
-    for robots that know nothing of the domain. A subclass is a dataclass.
+    Entries in `LEARNED` are learned in a run; the other entries are read from files before the run. Each
+    entry has a default, for robots that know nothing of the domain. A subclass is a dataclass.
     """
 
     FILES: ClassVar[Mapping[str, type[FileModel]]] = {}
@@ -222,8 +222,8 @@ class Section:
     def forget_element(self) -> None:
         """Set all entries of the section that its class attribute `ELEMENT` names to None.
 
-        They belong to one element of a list over which the task repeats actions. Called when the task goes on
-        to the next element.
+        These entries belong to one element of a list over which the task repeats actions. The method is
+        called when the task goes on to the next element.
         """
         for name in self.ELEMENT:
             setattr(self, name, None)
@@ -237,7 +237,7 @@ class Section:
 
 
 def types_of(kind: type) -> Mapping[str, Any]:
-    """Return the annotated types of a class's fields, by the field's name."""
+    """Return the annotated types of the fields of the class `kind`, by the field's name."""
     return _types_of(kind)
 
 

@@ -57,7 +57,7 @@ class UndeclaredAccess(HandcartError, AttributeError):
 
 
 class Detour(NamedTuple):
-    """Route that was planned around sensed obstacles."""
+    """Route to a place that was planned around sensed obstacles."""
 
     goal: str
     points: FloatArray
@@ -205,7 +205,7 @@ class WorldModel:
         return next((steps for steps in found if steps is not None), None)
 
     def clear_element(self) -> None:
-        """Clear what was learned about one element of the list over which a task repeats, before the next."""
+        """Clear what was learned about the present element of the list over which a task repeats actions."""
         self.detour = None
         for section in self.sections.values():
             section.forget_element()
@@ -352,7 +352,7 @@ class ModelView:
         object.__setattr__(self, "_part", model if part is None else part)
 
     def of(self, kind: type[SectionT]) -> SectionT:
-        """Return a view of a domain's part of the model, with the entries that the primitive declares."""
+        """Return a view of the section of class `kind`, with only the entries that the primitive declares."""
         model = self.__dict__["_model"]
         return cast(SectionT, ModelView(model, self.__dict__["_primitive"], model.of(kind)))
 

@@ -56,7 +56,9 @@ def close(robot: Robot) -> Periods:
 
 
 def width_read(robot: Robot) -> Measured:
-    """Return the measured opening of the fingers, in the form in which a `Discrepancy` reports a reading."""
+    """Return the measured opening of fingers that press on nothing, in the form in which a `Discrepancy`
+    reports a reading.
+    """
     return Measured(
         "Gripper", "the fingers press on nothing; opening", 1e3 * robot.gripper.width(), unit="mm"
     )

@@ -15,8 +15,8 @@ class Calibrated(NamedTuple):
 
 
 def as_facts(found: Mapping[str, Calibrated]) -> dict[str, float | str]:
-    """Return each value and its standard deviation as facts for the journal, named by the last part of its
-    key.
+    """Return each calibrated value and its standard deviation as facts for the journal, named by the last
+    part of the value's key.
 
     The key `camera.calibrated.focal_px` gives the facts `focal_px` and `focal_px_sigma`.
     """

@@ -106,8 +106,8 @@ class Residuals(Mapping[str, float]):
         return tuple(self._by_label.values())
 
     def of(self, kind: ResidualKind) -> Residual | None:
-        """Return the remaining difference of one kind between two states of the robot itself, such as of its
-        arm; None if it was not measured.
+        """Return the residual (difference between two states) of one kind of quantity, such as the base's
+        position; None if this quantity was not measured.
         """
         return next((residual for residual in self.all if residual.kind is kind), None)
 
@@ -125,8 +125,8 @@ class Residuals(Mapping[str, float]):
 
     @property
     def limits(self) -> dict[str, float | None]:
-        """Limit of each residual (remaining error of a check), by the residual's label; None if no limit is
-        known.
+        """Limit of each residual (difference of a quantity between two states), by the residual's label; None
+        if no limit is known.
         """
         return {label: residual.limit for label, residual in self._by_label.items()}
 
@@ -164,7 +164,7 @@ def read_residuals(values: Mapping[str, float | None], limits: Mapping[str, floa
     """Return the residuals of a journal's record.
 
     Args:
-        values: label to value; None stands for infinity, which JSON does not have.
+        values: label to value; None means infinity, which JSON does not have.
         limits: label to limit; missing in journals of older versions.
     """
     return Residuals(

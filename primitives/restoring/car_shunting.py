@@ -62,8 +62,8 @@ def bring_back(robot: Robot, start: Snapshot, model: WorldModel, room: float) ->
         robot: car at rest.
         start: state of the robot as measured at the start.
         model: world model, with the obstacles to keep off.
-        room: largest allowed distance of the base from its start, in [m]; the tolerance in the robot's file
-            holds if it is smaller.
+        room: largest allowed distance of the base from its start, in [m]; if the tolerance in the robot's
+            file is smaller, that tolerance is the limit.
     """
     for _ in range(MAX_SHUNTS):
         yield from _stand_until_sure(robot, start, room)

@@ -77,8 +77,8 @@ def reach_pose(
 
     The base is there if its position is within half of `tolerance`, and its heading within all of it. A base
     that shifts as it turns, such as a skid-steer base, may miss the pose by some millimetres. After
-    `EXACT_REACH_S`, the tolerance is therefore widened, up to half of the one in the robot's file. A car
-    isn't moved.
+    `EXACT_REACH_S`, the tolerance is therefore widened, up to half of the tolerance in the robot's file. A
+    car is not moved.
 
     Args:
         robot: robot at rest near the pose.
@@ -120,8 +120,9 @@ def _widened(robot: Robot, tolerance: PoseTolerance, passed: float) -> PoseToler
 def reach_again(robot: Robot, start: Snapshot, model: WorldModel, room: float) -> Generator[None, None, None]:
     """Bring the base from close by to the pose of a snapshot again.
 
-    A car waits until its displacement from the snapshot is known with an error below `room`, in [m]. If the
-    displacement is larger than `room`, the car is moved back and forth until it is there.
+    A base that can turn on the spot moves to the pose directly. A car waits until its displacement from the
+    snapshot is known with an error below `room`, in [m]. If the displacement is larger than `room`, the car
+    is moved back and forth until it is at the pose.
     """
     if robot.spec.drive.kind != "ackermann":
         yield from reach_pose(robot, start.pose)

@@ -115,7 +115,8 @@ def take_snapshot_since_start(robot: Robot, seen: Seen) -> Snapshot:
 
 
 def residuals(start: Snapshot, now: Snapshot, spec: RobotFile, room: float = math.inf) -> Residuals:
-    """Return the differences between two states, with the limits of the robot's file.
+    """Return the differences (residuals) between two measured states of the robot, with the limits of the
+    robot's file.
 
     The residual of a missing or lost object is infinite. For the base there is also the size of a motion that
     may have gone unnoticed: 3 sigma of the measurement.
@@ -124,8 +125,8 @@ def residuals(start: Snapshot, now: Snapshot, spec: RobotFile, room: float = mat
         start: earlier state.
         now: current state.
         spec: the robot's file, with its tolerances and joints.
-        room: largest allowed distance of the base from its earlier pose, in [m]; the file's tolerance holds
-            if it is smaller.
+        room: largest allowed distance of the base from its earlier pose, in [m]; if the tolerance in the
+            robot's file is smaller, that tolerance is the limit.
     """
     tolerance, (away, turned), sigmas = spec.tolerance, _apart(start, now), _unsure(start, now)
     base_mm = min(tolerance.base_mm, 1e3 * room)

@@ -34,7 +34,7 @@ class SeamPart(NamedTuple):
 
     @property
     def empty(self) -> bool:
-        """True if the part has no length."""
+        """True if the part has no length, because its first and last point are the same."""
         return self.first == self.last
 
 
@@ -54,7 +54,9 @@ class SeamWork(NamedTuple):
 
     @property
     def rest(self) -> tuple[SeamPart, ...]:
-        """Parts into which the rest of the seam was divided, as far as they are not tracked yet."""
+        """Parts of the seam that are planned but not tracked yet, the next one first; empty if there are
+        none.
+        """
         return () if self.next is None or self.next.empty else (self.next, *self.after)
 
     def done(self) -> SeamWork:

@@ -35,6 +35,9 @@ def robot_looks(read: Read) -> list[PartLook]:
     """Return the visual shapes of a robot's links.
 
     Links without readable visual shapes are represented by their collision shapes.
+
+    Args:
+        read: function that returns the `MjSpec` of the robot, with its visual shapes if the argument is True.
     """
     try:
         model = read(True).compile()

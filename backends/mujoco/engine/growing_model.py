@@ -28,7 +28,7 @@ class GrowingModel:
         self._tell, self._grown, self._stale = compiled, True, True
 
     def both(self) -> tuple[Any, Any]:
-        """Return MuJoCo's model and its data, both compiled if needed.
+        """Return MuJoCo's model (`MjModel`) and its data (`MjData`, the state); compile both if needed.
 
         Poses of links in the data may be outdated; the method `links` updates them.
         """
@@ -41,7 +41,7 @@ class GrowingModel:
         self._grown = True
 
     def links(self) -> Any:
-        """Return MuJoCo's `MjData`, with the current poses of all links."""
+        """Return MuJoCo's `MjData` (the state of the model), with the current poses of all links."""
         model, data = self.both()
         if self._stale:
             mujoco().mj_kinematics(model, data)

@@ -48,7 +48,7 @@ class Leaning:
         """Update the set of movable things that are in contact with the robot, directly or through other
         things.
 
-        To be called after the solver has made steps.
+        To be called after the solver has made steps. `model` and `data` are MuJoCo's.
         """
         if self._robot is None:
             return

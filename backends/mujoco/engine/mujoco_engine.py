@@ -73,7 +73,7 @@ class MujocoEngine(Engine):
 
     @property
     def data(self) -> Any:
-        """MuJoCo's data; poses of links in it may be outdated, and `links` updates them."""
+        """MuJoCo's `MjData` (the state); its poses of links may be outdated, and `links` updates them."""
         return self._grown.both()[1]
 
     def grow(self) -> int:
@@ -128,9 +128,10 @@ class MujocoEngine(Engine):
         self._grown.displaced()
 
     def parts(self) -> Sequence[int]:
-        """Return the number of solver steps in each part of a chunk, the time between two commands to drives.
+        """Return the numbers of solver steps to make before each reading of the contacts, in order.
 
-        Contact forces are read after each part and averaged, because the force of a single impact would
+        Their sum is the number of steps in a chunk, the time between two commands to the drives. Contact
+        forces are read several times in a chunk and averaged, because the force of a single impact would
         mislead.
         """
         often = max(0, min(TOUCH_CHECKS_PER_PERIOD, self.substeps // SLIP_CHECK_STEPS - 1))

@@ -28,8 +28,8 @@ class Pins:
         self._there, self._first = False, 0
 
     def prepare(self, spec: Any, hand: str, other: str) -> None:
-        """Add the constraints that can fix a held thing to the hand to the `MjSpec` of a world; they are
-        inactive.
+        """Add pins (constraints that can fix a held thing to the hand) to the `MjSpec` of a world. They are
+        inactive until `close` is called.
 
         Args:
             spec: the `MjSpec`.
@@ -52,7 +52,7 @@ class Pins:
 
     def pull(self, data: Any) -> float:
         """Return the force, in [N], that a point constraint (pin) between hand and held thing exerts, as the
-        mean over the `MAX_PIN_POINTS` pins.
+        mean over the `MAX_PIN_POINTS` pins. It is valid only while the pins are active (`closed`).
         """
         forces = data.efc_force[self._first : self._first + 3 * MAX_PIN_POINTS].tolist()
         return (
@@ -70,7 +70,7 @@ class Pins:
         return np.asarray(rows.reshape(-1, 3).sum(axis=0))
 
     def open(self, data: Any) -> None:
-        """Release the held thing."""
+        """Release the held thing, by deactivating the pins (constraints) in MuJoCo's `data`."""
         if self._there:
             data.eq_active[self._first : self._first + MAX_PIN_POINTS] = 0
 

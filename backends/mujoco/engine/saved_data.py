@@ -16,7 +16,7 @@ _FREE = 7  # coordinates of a body that moves as it will
 
 
 def saved(model: Any, data: Any) -> dict[str, Any]:
-    """Return MuJoCo's complete state for a checkpoint: all that its integration needs
+    """Return MuJoCo's complete state for a checkpoint. It contains all that MuJoCo's integration needs
     (`mjSTATE_INTEGRATION`), and which kinematic trees sleep.
     """
     kind = mujoco().mjtState.mjSTATE_INTEGRATION

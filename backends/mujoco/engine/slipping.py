@@ -51,7 +51,7 @@ class Slipping:
         self._pins.close(model, data, pinned, hand, other)
 
     def let_go(self, data: Any) -> None:
-        """Release the held thing."""
+        """Release the held thing, by deactivating the pins (constraints) in MuJoCo's `data`."""
         self.pinned = None
         self._pins.open(data)
 

@@ -124,8 +124,13 @@ class WorldSpec:
         )
 
     def thing(self, number: int, form: ThingForm) -> None:
-        """Add a rigid body that moves freely, or on a joint of the world; the body's frame is at its centre
-        of mass.
+        """Add a rigid body that moves freely, or on a joint of the world.
+
+        The body's frame is at its centre of mass.
+
+        Args:
+            number: number of the body in this project's engine, from which its name in MuJoCo is made.
+            form: initial pose, mass, shapes, friction and joint of the body.
         """
         body = self._hang(number, form) if form.hung is not None else self._set_free(number, form)
         body.explicitinertial, body.ipos = True, (0.0, 0.0, 0.0)
@@ -170,6 +175,12 @@ class WorldSpec:
 
         MuJoCo uses the larger coefficient of two touching geometries, not the product of both. Each geometry
         therefore gets the square of its coefficient, so that two equal coefficients act as their product.
+
+        Args:
+            body: body of MuJoCo's `MjSpec`.
+            name: name of the geometry.
+            friction: coefficient of friction, without unit.
+            shape: further attributes of MuJoCo's geometry, such as type, size and pose.
         """
         body.add_geom(
             name=name,

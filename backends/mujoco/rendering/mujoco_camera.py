@@ -21,7 +21,7 @@ class MujocoCamera(EngineCamera):
 
     @cached_property
     def studio(self) -> Studio:
-        """Renderer of this camera's pictures, created on first use."""
+        """Renderer that draws this camera's pictures of the engine's world, created on first use."""
         assert isinstance(self._engine, MujocoEngine)
         assert isinstance(self._body, MujocoBody)
         width, height = self._lens.size

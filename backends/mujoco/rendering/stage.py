@@ -46,7 +46,7 @@ class PictureStage:
         self._drawn = np.zeros(0)
 
     def follow(self, engine_data: Any, middle: FloatArray) -> bool:
-        """Copy the poses of all bodies from the engine, and aim the lamp; return True if anything has moved.
+        """Copy the poses of all bodies from the engine, and aim the lamp; return True if any body has moved.
 
         Args:
             engine_data: MuJoCo's data of the engine.

@@ -39,7 +39,8 @@ class Studio:
         self._last: tuple[Transform, FloatArray, ByteArray] | None = None
 
     def take(self, world_T_camera: Transform, K: FloatArray, middle: FloatArray) -> ByteArray:
-        """Return a picture (height, width, 3) in RGB, 0 to 255; the last picture again if nothing has moved.
+        """Return a picture (height, width, 3) in RGB, 0 to 255; if neither camera nor bodies have moved, it
+        is the last picture again.
 
         Args:
             world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).

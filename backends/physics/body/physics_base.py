@@ -50,8 +50,8 @@ class PhysicsBase(CommandedBase):
         self.drives.speeds = rims * self._scale / self._drive.wheel_radius_m
 
     def give(self, turn: float) -> None:
-        """Turn the base, which is at rest, by an angle to the left, in [rad], by turning its wheels without
-        a reading of their encoders.
+        """Turn the wheels so that the base, which is at rest, turns by an angle to the left, in [rad]. The
+        encoders do not count this turn.
 
         This simulates tyres that yield when the arm swings.
         """

@@ -92,14 +92,14 @@ class Engine(ABC):
     @property
     @abstractmethod
     def pinned(self) -> Pinned | None:
-        """Rigid connection that fixes one body to another, such as a held thing to the hand; None without
-        one.
+        """Rigid connection that fixes one body to another, such as a held thing to the hand; None if no
+        bodies are connected.
         """
 
     def parts(self) -> Sequence[int]:
-        """Return the number of solver steps in each part of a chunk, the time between two commands to drives.
+        """Return the numbers of solver steps to make before each reading of the contacts, in order.
 
-        Contacts are read after each part.
+        Their sum is the number of steps in a chunk, the time between two commands to the drives.
         """
         return (self.substeps,)
 
@@ -158,8 +158,8 @@ class Engine(ABC):
 
     @abstractmethod
     def add_thing(self, form: ThingForm) -> int:
-        """Add a rigid body that moves freely or on a joint fixed to the world; return the number of the
-        body.
+        """Add a rigid body with the pose, mass and shapes of `form`, which moves freely or on a joint fixed
+        to the world. Return the number of the body in this engine.
         """
 
     @abstractmethod
@@ -175,8 +175,8 @@ class Engine(ABC):
         """Return the pose world_T_body (4, 4) of a body's centre of mass."""
 
     def moved(self) -> Collection[int] | None:
-        """Return the numbers (engine's indices) of the bodies that may have moved since the last call; None
-        if unknown.
+        """Return the engine's numbers of the bodies that may have moved since the last call. None means that
+        this is unknown, so that any body may have moved.
         """
         return None
 

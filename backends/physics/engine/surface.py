@@ -34,8 +34,8 @@ class ContactSurface(NamedTuple):
     def point_stiffness(self) -> float | None:
         """Return the stiffness of a contact point between this surface and the ground, in [N/m].
 
-        It is that of the surface's and the ground's stiffness in series; None if the engine's own stiffness
-        applies.
+        The surface and the ground act as two springs in series. The result is None if the engine's own
+        stiffness applies.
         """
         if self.sinks == 0.0 or self.stiffness is None:
             return self.stiffness

@@ -80,7 +80,7 @@ class Sticks(NamedTuple):
 class OnJoint(NamedTuple):
     """Mounting of a body on a joint that is fixed in the world, such as a door's hinge.
 
-    Bodies whose `label` is the same are rigidly connected.
+    All bodies with the same `label` are rigidly connected; the first of them is on the joint.
     """
 
     label: str

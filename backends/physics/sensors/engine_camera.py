@@ -51,8 +51,8 @@ class EngineCamera(SimulatedCamera):
     @classmethod
     @override
     def build(cls, site: SensorSite[CameraSpec]) -> SimulatedCamera:
-        """Build a camera with the renderer that the world's file names: that of the physics engine, or
-        `SceneCamera`.
+        """Build a camera from `site`, the parts of the simulation. The world's file names its renderer: that
+        of the physics engine, or `SceneCamera`.
         """
         if site.world.camera != "engine":
             return SceneCamera.build(site)

@@ -21,8 +21,8 @@ class EngineDepthCamera(SimulatedDepthCamera):
     @classmethod
     @override
     def build(cls, site: SensorSite[DepthCameraSpec]) -> SimulatedDepthCamera:
-        """Build a depth camera with the renderer that the world's file names: that of the physics engine, or
-        the ray caster for simulated scenes.
+        """Build a depth camera from `site`, the parts of the simulation. The world's file names its renderer:
+        that of the physics engine, or the ray caster for simulated scenes.
         """
         return cls(site) if site.world.camera == "engine" else SceneDepthCamera(site)
 

@@ -33,8 +33,8 @@ class PhysicsFieldImu(FieldImu):
 
 
 def physics_imu_for(site: SensorSite[ImuSpec]) -> SimulatedImu:
-    """Return the IMU of a simulation with physics: `PhysicsFieldImu` for a car on rough ground, otherwise
-    `PhysicsImu`.
+    """Build the IMU of a simulation with physics from `site`, the parts of the simulation. It is a
+    `PhysicsFieldImu` for a car on rough ground, otherwise a `PhysicsImu`.
     """
     rough = site.robot.drive.kind == "ackermann" and site.world.ground is not None
     return PhysicsFieldImu.build(site) if rough else PhysicsImu.build(site)

@@ -160,7 +160,9 @@ class WorldBodies:
         self._made.append(tile)
 
     def moved(self) -> Collection[int] | None:
-        """Return the numbers of the bodies that moved since the last step; None if unknown."""
+        """Return the engine's numbers of the bodies that may have moved since the last call; None if that is
+        unknown.
+        """
         return self._engine.moved()
 
     def pose(self, thing: Thing) -> Transform:

@@ -26,7 +26,9 @@ class Fingers:
         self._shape = hand.scene.robot.finger_shape
 
     def set_width(self, width: float) -> None:
-        """Move the finger pads to an opening in [m]; a thing between the pads stops them and is then held."""
+        """Move the finger pads to an opening of `width`, in [m]; a thing between the pads stops them and is
+        then held.
+        """
         scene = self._scene
         if scene.held is None and width < scene.width:
             thing = self._between()

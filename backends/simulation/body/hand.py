@@ -85,7 +85,8 @@ class SimulatedHand:
             base: pose world_T_base.
 
         Returns:
-            The deepest contact; `NO_TOUCH` without one, or if the present contact is at least as deep.
+            The deepest contact at the other pose. `NO_TOUCH` if there is none, or if the contact at the
+            base's present pose is at least as deep.
         """
         there = self.contact.deepest_of_robot(base, self.scene.joints, self._skip)
         if there.depth == 0.0:

@@ -139,8 +139,8 @@ class SimulatedArm(ForceArm):
     def swing_yaw(self) -> float:
         """Return the angle by which the arm's last motion turned the base to the left, in [rad].
 
-        To be called only if that motion was a swing (`swung`): by `swing_from_mm` or more with a load; if
-        that key is 0, any motion.
+        To be called only if that motion was a swing (`swung`). A swing moves the loaded hand by at least
+        `swing_from_mm` of the robot's file; if this key is 0, any motion is a swing.
         """
         return swing_yaw(self._errors, self._seed, self._motions)
 
@@ -211,7 +211,7 @@ class SimulatedGripper(CommandedGripper):
 class ArmError:
     """Model of an arm's positioning error, the offset of the true joints from the encoders' readings.
 
-    It stands for the elasticity of gears and links. The random part is drawn again whenever the arm starts
+    It represents the elasticity of gears and links. The random part is drawn again whenever the arm starts
     from rest: Gaussian in the joints, and Gaussian and uniform in the hand's position. The systematic part is
     drawn once for a seed: a smooth function of the hand's position, a sine along each axis.
     """

@@ -67,7 +67,9 @@ class SimulatedBook(Thing):
 
     @property
     def carrier(self) -> str:
-        """Name of the shelf on which the book is, or of another support."""
+        """Name of the shelf on which the book is; otherwise the kind of its support, such as "tray" or
+        "hand".
+        """
         return self.shelf or super().carrier
 
     @property

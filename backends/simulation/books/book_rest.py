@@ -18,8 +18,9 @@ MAX_FALLEN_HEIGHT_M = 0.5  # [m] above the floor
 
 
 def book_rest(books: BooksThere, book: SimulatedBook) -> tuple[Rest, str | None]:
-    """Return what supports a book in a physics engine, such as the tray or the floor, and the name of the
-    shelf if the book is on one.
+    """Return what supports a book in a physics engine, and the name of the shelf if the book is on one.
+
+    The support is, for example, the tray or the floor. The name is None if the book is not on a shelf.
     """
     for name, shelf in books.shelves.items():
         x, y, z = (shelf.inverse_pose @ book.pose)[:3, 3]

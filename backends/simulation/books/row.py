@@ -107,8 +107,8 @@ def members(books: BooksThere, shelf: SimulatedShelf, without: Thing | None) -> 
 def slots(row: Sequence[Member]) -> list[FreeInterval]:
     """Return the free intervals between the members of a row (books, panels and book ends on a shelf).
 
-    Objects deeper in the shelf than 35 mm do not bound an interval; they stop a book only after it has
-    entered the slot.
+    Objects that are more than 35 mm behind the shelf's front do not bound an interval. Such an object stops a
+    book only after the book has entered the slot.
     """
     before = [member for member in row if member.front < _DEEP]
     return [
@@ -123,11 +123,9 @@ def push(
 ) -> Push:
     """Push a row of books with a face of the hand or of a held book, and move the books that yield.
 
-    The face is commanded from `start` to `pusher.lead`.
-
-    The motion is quasi-static. The arm is a spring with the stiffness `ARM_STIFFNESS_N_M` between command and
-    face. Each book that the face meets resists with its friction; books at the shelf's back, panels and book
-    end do not move.
+    The face is commanded from `start` to `pusher.lead`. The motion is quasi-static. The arm is a spring with
+    the stiffness `ARM_STIFFNESS_N_M` between command and face. Each book that the face meets resists with its
+    friction; books at the shelf's back, panels and book end do not move.
 
     Args:
         books: books and shelves of the scene.
@@ -135,6 +133,9 @@ def push(
         row: members of the row.
         pusher: face that pushes, at its commanded position.
         start: x of the face in the shelf frame S before the motion, in [m].
+
+    Returns:
+        Where the face ends, the force on it, and the names of the books and panels that it met.
     """
     met = [m for m in row if _meets(m, pusher, start)]
     met.sort(key=lambda member: member.front)

@@ -48,8 +48,9 @@ class DepthNoise:
         """Return a mask (h, w) of pixels without a reading because they are near a step in depth.
 
         Args:
-            true: (h, w) true depths, in [m]. A step is a pair of neighbouring depths that differ by more than
-                the spec's `edge_step_percent`. A pixel is near it within the spec's `edge_px`, in [px].
+            true: (h, w) true depths, in [m]. A step is a pair of neighbouring depths of which the larger
+                exceeds the smaller by more than `edge_step_percent` of the camera's errors, in percent. A
+                pixel is near a step if it is within `edge_px` pixels of the step.
         """
         if self._errors.edge_px == 0:
             return np.zeros(true.shape, np.bool_)

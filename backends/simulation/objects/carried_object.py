@@ -49,7 +49,7 @@ class CarriedObject(PlacedThing, PrintedThing):
             scene: scene with the robot in place, whose file has the standard deviations of a person's errors.
             spec: the object and its nominal pose; errors with the object's own standard deviations are added.
             seed: seed of the errors.
-            others: further fields of the class.
+            others: values of further fields of the class, by name.
         """
         assert isinstance(spec, CarriedObjectSpec)
         dx, dy, turn = keyed(seed, f"place of {cls.KIND} {spec.name}").standard_normal(3).tolist()

@@ -65,7 +65,9 @@ class Puller:
         """Force (3,) of the person on the held object, in the world, in [N]."""
 
     def step(self) -> None:
-        """Begin and end the pulls on the held object that are due in this period, and update `force`."""
+        """Begin and end the pulls on the held object that are due in this period. Update `force`, the force
+        of the person on the object.
+        """
         self._watch_hand()
         now = self._scene.time
         self.pulls = [self._advanced(pull, now) for pull in self.pulls]

@@ -90,7 +90,7 @@ class Passers:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of all passers (people or carts on the move), and of those who go with one in a group."""
+        """Names of all passers (people or carts on the move), including each member of a group."""
         return tuple(name for _, name, _ in self._walks)
 
     def advance(self, time: float, period: float, base: Pose2, radius: float) -> None:

@@ -77,7 +77,7 @@ class FieldImu(SimulatedImu):
 
 
 def imu_for(site: SensorSite[ImuSpec]) -> SimulatedImu:
-    """Return the IMU of a simulation without physics: `FieldImu` on rough open ground, otherwise
-    `SimulatedImu`.
+    """Build the IMU of a simulation without physics from `site`, the parts of the simulation. It is a
+    `FieldImu` on rough open ground, otherwise a `SimulatedImu`.
     """
     return (FieldImu if site.scene.open_ground else SimulatedImu).build(site)

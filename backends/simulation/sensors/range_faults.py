@@ -27,7 +27,9 @@ class RangeFaults(NamedTuple):
 
     @classmethod
     def of(cls, errors: Errors) -> Self:
-        """Convert the fault percentages of a lidar in a robot's file to shares from 0 to 1."""
+        """Convert the percentages of faulty beams in `errors`, a section of a robot's file, to shares from 0
+        to 1.
+        """
         percents = (
             errors.range_zero_percent,
             errors.range_nan_percent,

@@ -45,7 +45,9 @@ class HandRule:
         """Store the goal of the arm's motion: its joints (n,), in [rad] or [m]."""
 
     def decides(self, body: str, other: str) -> bool:
-        """Return whether this rule decides on the contact of two bodies, instead of rigid geometry."""
+        """Return whether this rule, not rigid geometry, decides on the contact of two bodies, given their
+        names.
+        """
         return False
 
     def meet(self, start: FloatArray, joints: FloatArray) -> Met:

@@ -68,7 +68,7 @@ class PlacedThing(Thing):
             scene: scene with the robot in place, whose file has the standard deviations of the errors.
             spec: the thing, and its nominal pose.
             seed: seed of the errors.
-            others: further fields of the class.
+            others: values of further fields of the class, by name.
         """
         errors = scene.robot.errors
         dx, dy, turn = keyed(seed, f"{cls.KIND} {spec.name}").standard_normal(3)

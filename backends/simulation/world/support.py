@@ -26,9 +26,9 @@ TRAY_LINK = "tray"
 def put_down(scene: Scene, thing: Thing) -> None:
     """Drop a box from its current pose.
 
-    The box rests flat on tables, the robot's own table or other things if these are at most 10 mm below its
-    underside and its middle is within the convex hull of the areas that carry it. It may bridge a gap.
-    Otherwise it falls to the floor and is lost to the robot.
+    Tables, the robot's own table and other things carry the box if they are at most 10 mm below its
+    underside. The box then rests flat on them if its middle is within the convex hull of the areas that carry
+    it, so it may bridge a gap. Otherwise it falls to the floor and is lost to the robot.
     """
     scene.changes += 1
     thing.rest = Rest.FLOOR

@@ -131,8 +131,8 @@ class SkySpec(FileModel):
 
 
 class BeaconsThere(FileModel):
-    """True errors of the radio beacons in a simulated world, which are moved positions and drifting biases of
-    ranges.
+    """True errors of the radio beacons in a simulated world: beacons that were moved away from the positions
+    in the robot's file, and drifting biases of the ranges.
 
     The robot does not know them, because the robot's file does not contain them.
     """

@@ -40,11 +40,13 @@ class ObjectsFile(FileModel):
         return {name: KnownSolid(name, kind.size, kind.is_round) for name, kind in self.kinds.items()}
 
     def kind_of(self, name: str) -> ObjectKind:
-        """Return the kind of the object `name`; the file has an entry for the object and for its kind."""
+        """Return the kind (shape and size) of the object `name`; both the object and its kind must be in the
+        file.
+        """
         return self.kinds[self.objects[name].kind]
 
     def tags_of(self, name: str) -> tuple[PrintedTag, ...]:
-        """Return the tags that are printed on all objects of an object's kind, and those on this object
-        only.
+        """Return all tags on the object `name`: those printed on each object of its kind, and those on this
+        object only.
         """
         return (*self.kind_of(name).tags, *self.objects[name].tags)

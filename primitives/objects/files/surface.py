@@ -40,8 +40,8 @@ class SurfaceSpot(FileModel):
 
     @property
     def pose(self) -> Pose2:
-        """Pose on the map of this spot (place for an object on a surface); the heading is 0 if it allows any
-        heading.
+        """Pose on the map of this spot (place for an object on a surface); the heading is 0 if the spot
+        allows any heading.
         """
         return Pose2(self.x_m, self.y_m, math.radians(self.heading_deg or 0.0))
 
@@ -143,7 +143,8 @@ class ObjectSurface(LevelPose):
     def movable_area(self) -> MovableArea | None:
         """Return the area of the map in which the surface may be, because it may have been moved.
 
-        It is None for an area of the floor, and if the surface is fixed.
+        The result is None for a surface that cannot move: an area of the floor without walls, or a surface
+        marked as fixed.
         """
         if self.fixed or (self.height_m <= 0.0 and not self.walls):
             return None

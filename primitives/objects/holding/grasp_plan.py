@@ -34,7 +34,9 @@ GRASPS_TRIED = 12  # whose straight lines are looked at
 
 
 class PlannedGrasp(NamedTuple):
-    """A grasp of an object, with a free straight path of the hand to it, and then up with the object."""
+    """Planned grasp of an object, with a straight path of the hand to the object and then up with it, on
+    which nothing is touched.
+    """
 
     grasp: Grasp
     before: FloatArray

@@ -111,7 +111,8 @@ def plan_placing(
     around: Sequence[Solid],
     width: float | None = None,
 ) -> PlannedPlacing | None:
-    """Return the plan to place an object at that goal where the clearance is best; None if no goal is free.
+    """Return the plan to place an object at the goal with the largest clearance; None if no goal is free. The
+    search ends at the first goal with a clearance of at least `GOOD_CLEARANCE_M`.
 
     Args:
         robot: robot that holds the object, or will hold it.
@@ -197,8 +198,8 @@ def withdrawn(base_T_hand: Transform) -> Transform:
 
 
 def free_spots(surface: ObjectSurface, radius: float, near: tuple[float, float]) -> list[tuple[float, float]]:
-    """Return spots on the map at which an object's foot is completely on a surface, the spots near a point
-    first.
+    """Return spots (x, y), in [m] on the map, at which an object's foot is completely on a surface, those
+    nearest to a point first. Empty if the surface is too small.
 
     Args:
         surface: the surface.

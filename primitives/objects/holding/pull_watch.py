@@ -47,8 +47,8 @@ class PullWatch:
             weight_n: weight of the held object, in [N]; None if it is unknown.
 
         Raises:
-            Discrepancy: the force's noise would hide the least pull that has to be detected, or the force
-                differs from the weight by such a pull, because somebody pulls already.
+            Discrepancy: the force's noise would hide the least pull that has to be detected; or the force
+                differs from the weight by at least this pull, so that somebody seems to pull already.
         """
         mean, self._sigma = yield from self._readings()
         beside = 0.0 if weight_n is None else float(np.linalg.norm(mean + np.array([0.0, 0.0, weight_n])))
@@ -87,7 +87,7 @@ class PullWatch:
     @property
     def is_calm(self) -> bool:
         """True if the mean force on the hand over `PULL_TIME_S`, less the force at rest, is below the share
-        `CALM_SHARE` of the least pull.
+        `CALM_SHARE` of the least pull; False while there are fewer readings.
         """
         if len(self._forces) < (self._forces.maxlen or 0):
             return False
@@ -103,8 +103,8 @@ class PullWatch:
     def lasting(self, share: float = 1.0) -> FloatArray | None:
         """Return the mean force (3,) on the hand over `PULL_TIME_S`, in the base frame, in [N].
 
-        None if the mean force is weaker than the limit, or if the force fell below the share `STEADY_SHARE`
-        of the limit in between.
+        None if the mean force is weaker than the limit, if the force fell below the share `STEADY_SHARE` of
+        the limit in between, or if there are too few readings.
 
         Args:
             share: the limit, as a share of the least force that counts as a pull.

@@ -222,7 +222,7 @@ class Objects(Section):
         model.places = {**model.places, name: place}
 
     def seen(self, name: str) -> ObjectSighting | None:
-        """Return where an object was last seen; None if it wasn't."""
+        """Return where the object `name` was last seen; None if it was not seen in this run."""
         return next((sighting for sighting in self.sightings if sighting.object == name), None)
 
     def surface(self, name: str) -> ObjectSurface:
@@ -279,8 +279,9 @@ class Objects(Section):
         return (*surface.contact_names(name), *reached)
 
     def believed(self, name: str) -> Pose2 | None:
-        """Return the pose on the map that the file of objects states for an object, moved with its surface if
-        that was measured elsewhere; None if the object may be anywhere on the surface.
+        """Return the pose on the map that the file of objects states for an object. If the object's surface
+        was measured elsewhere, the pose is moved with the surface. The result is None if the object may be
+        anywhere on the surface.
         """
         known = self.objects.objects[name]
         if known.x_m is None or known.y_m is None:

@@ -107,7 +107,7 @@ def standing_place(
 
 
 def has_moved(before: ObjectSurface, now: ObjectSurface) -> bool:
-    """Return whether a surface has moved so far that a place of the base before it has to move too.
+    """Return whether a surface has moved so far that the place of the base in front of it has to move too.
 
     Args:
         before: the surface at its earlier pose; if it is marked as fixed, the answer is False.

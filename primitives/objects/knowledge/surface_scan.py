@@ -48,7 +48,9 @@ def scan_surface(
 
 
 def is_in_scan(robot: Robot, surface: ObjectSurface) -> bool:
-    """Return whether the lidar can measure the sides of a surface, because it is solid down to the floor."""
+    """Return whether the lidar can measure the sides of a surface: the surface is solid down to the floor,
+    has no walls, and is higher than the lidar. False without a lidar.
+    """
     is_solid = surface.thickness_m is None and not surface.walls
     is_high = robot.lidar is not None and robot.range_sensor_height < surface.height_m - MIN_BELOW_TOP_M
     return is_solid and is_high

@@ -195,8 +195,8 @@ def contradiction(
 
 
 def describe(found: Standing) -> str:
-    """Return a text with the kinds of object that could explain a thing seen in depth pictures, or with its
-    size if none can.
+    """Return a text with the kinds of object that could explain a thing seen in depth pictures; if no kind
+    can, a text with the thing's size.
     """
     if found.may_be:
         return " or ".join(dict.fromkeys(_in_words(candidate) for candidate in found.may_be))

@@ -47,12 +47,13 @@ def look_at_floor(
         evidence: receives the picture.
         name: name of the object.
         released: (3,) position of the object's foot when it was let go, in the base frame, in [m].
-        looks: "plain" if anything with an edge on the floor is taken for the object; otherwise only the
-            object's tags count.
+        looks: "plain" if anything with an edge on the floor is taken for the object; "patterned" if only the
+            object's tags count, because the floor has edges of its own.
 
     Returns:
-        "free" if nothing lies there, "not seen" without a view, "no tag seen" if no tag of the object was
-            read on a floor that has edges of its own.
+        "free" if nothing lies there; "not seen" if too little of the floor was seen, or if an object without
+        tags may lie on a patterned floor; "no tag seen" if no tag of the object was read on a patterned
+        floor.
 
     Raises:
         NeedsPerson: the object lies there.

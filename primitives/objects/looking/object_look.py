@@ -308,8 +308,8 @@ def _of_file(robot: Robot, objects: Objects, name: str, surface: str) -> ObjectB
 
 
 def sighting(robot: Robot, model: ModelView, name: str, surface: str, found: Located) -> ObjectSighting:
-    """Return the pose on the map of an object that was located from the base, with a covariance that includes
-    the error of the base's pose.
+    """Convert the pose of an object that was located in the base frame (`found`) to a sighting on the map.
+    Its covariance includes the error of the base's pose.
 
     Raises:
         Discrepancy: the object is not on the surface, but next to it.

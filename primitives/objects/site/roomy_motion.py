@@ -26,10 +26,11 @@ MAX_ROOM_M = 0.03
 
 
 def rooms(robot: Robot, model: ModelView) -> tuple[float, ...]:
-    """Return distances to keep from walls in addition to the arm's margin, in [m], the preferred one first.
+    """Return the distances, in [m], that the arm should keep from walls in addition to its usual margin, the
+    preferred one first.
 
-    The places of walls of boxes and shelves are known on the map only. Their places in the base frame are off
-    by as much as the estimated pose of the base is.
+    The walls of boxes and shelves are known on the map. Their poses in the base frame have the error of the
+    estimated pose of the base, which the additional distance covers. The last distance is 0.
     """
     surfaces = model.of(Objects).objects.surfaces.values()
     if not any(surface.walls for surface in surfaces):
@@ -43,11 +44,12 @@ def rooms(robot: Robot, model: ModelView) -> tuple[float, ...]:
 def walls_to_try(
     robot: Robot, model: ModelView, open_areas: Sequence[FloatArray] = ()
 ) -> list[tuple[Solid, ...]]:
-    """Return walls around the robot to plan with, in the base frame; empty if there are none.
+    """Return sets of walls around the robot to plan with, in the base frame, the preferred set first; empty
+    if there are no walls.
 
-    The first ones stand for the map's obstacles outside the surfaces and for unmapped ones that the lidar has
-    sensed lately, the last ones for the map's alone. They are higher than the arm reaches, because neither
-    map nor lidar shows how high obstacles are.
+    The last set represents the map's obstacles outside the surfaces. If the lidar has sensed unmapped
+    obstacles lately, a set with these obstacles as well precedes it. Walls are higher than the arm reaches,
+    because neither map nor lidar shows how high obstacles are.
 
     Args:
         robot: robot at the surfaces.
@@ -71,10 +73,11 @@ def _extents(boxes: Sequence[Box]) -> list[tuple[bytes, tuple[float, ...]]]:
 def surroundings_to_try(
     robot: Robot, model: ModelView, without: str = "", open_areas: Sequence[FloatArray] = ()
 ) -> list[tuple[Solid, ...]]:
-    """Return models of the surroundings to plan in, those first that keep the arm farthest from walls.
+    """Return sets of obstacles for planning a motion of the arm, in the base frame, to be tried in this
+    order.
 
-    The first models also contain the walls of `walls_to_try`. The last one is `surroundings` without any
-    additional room.
+    The first sets keep the arm farthest from walls, and also contain the walls of `walls_to_try`. The last
+    set is that of `surroundings` without any additional distance.
 
     Args:
         robot: robot at the surfaces.
