@@ -105,6 +105,9 @@ class Backend(ABC):
     def with_start(cls, world: Any, start: Pose2) -> Any:
         """Return a world, as `read_world` returned it, with `start` (world_T_base) as the robot's initial
         pose.
+
+        Raises:
+            NotMovable: the backend cannot put its robot at a given pose.
         """
         raise NotMovable(
             f"the backend {cls.name!r} cannot put its robot at a given place; "

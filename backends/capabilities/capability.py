@@ -11,7 +11,7 @@ from typing import ClassVar, NamedTuple
 class Reading(NamedTuple):
     """Description of a method that reads a sensor, such as `Arm.joints`.
 
-    By it, readings are recorded and faults of the sensor are simulated.
+    It determines how readings are recorded and how faults of the sensor are simulated.
     """
 
     sensor: str

@@ -20,7 +20,7 @@ class Fix(NamedTuple):
 
 
 class Gps(Capability):
-    """A satellite receiver; its antenna is the URDF's frame `gps`."""
+    """A satellite receiver, whose antenna is at the origin of the URDF's frame `gps`."""
 
     READINGS: ClassVar = {"fix": Reading("gps")}
 

@@ -311,7 +311,7 @@ class RobotFile(SensorTable, OutlinedFile):
 
     @cached_property
     def has_tray(self) -> bool:
-        """True if the robot has a tray."""
+        """True if the robot has an arm, and its URDF has a link `tray` on which it carries things."""
         return self.arm is not None and "tray" in link_names(self.urdf_text())
 
     @cached_property
@@ -393,7 +393,7 @@ class RobotFile(SensorTable, OutlinedFile):
         return ideal
 
     def posture(self, name: str) -> tuple[float, ...]:
-        """Return a posture by its name, in [rad] or [m] for each joint; raise `UnknownPosture` without it."""
+        """Return a posture by its name, in [rad] or [m] for each joint; raise `UnknownPosture` if unknown."""
         if self.arm is None or name not in self.arm.postures:
             known = ", ".join(self.arm.postures) if self.arm else "none: the robot has no arm"
             raise UnknownPosture(f"the robot's file has no posture {name!r}; allowed: {known}")

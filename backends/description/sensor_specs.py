@@ -141,9 +141,7 @@ class CameraSpec(MountedSensorSpec):
 
     @property
     def info(self) -> CameraInfo | None:
-        """Intrinsics of the camera from the file that `camera_info` in its section names; None if it names
-        none.
-        """
+        """Intrinsics of the camera from the file that the key `camera_info` names; None without this key."""
         return self._info
 
     def with_info(self, info: CameraInfo) -> Self:

@@ -80,27 +80,27 @@ class SensorTable(FileModel):
 
     @property
     def camera(self) -> CameraSpec | None:
-        """First camera of the robot; None without one."""
+        """Description of the robot's first camera; None without one."""
         return self.first(CameraSpec)
 
     @property
     def range_sensor(self) -> RangeSpec | None:
-        """First lidar of the robot; None without one."""
+        """Description of the robot's first lidar; None without one."""
         return self.first(RangeSpec)
 
     @property
     def imu(self) -> ImuSpec | None:
-        """First inertial measurement unit of the robot; None without one."""
+        """Description of the robot's first inertial measurement unit; None without one."""
         return self.first(ImuSpec)
 
     @property
     def positioning(self) -> PositioningSpec | None:
-        """Indoor positioning system; None without one."""
+        """Description of the indoor positioning system; None without one."""
         return self.first(PositioningSpec)
 
     @property
     def gps(self) -> GpsSpec | None:
-        """First satellite receiver of the robot; None without one."""
+        """Description of the robot's first satellite receiver; None without one."""
         return self.first(GpsSpec)
 
     @property

@@ -97,14 +97,14 @@ class JointStates(TopicSensor):
 
     def positions(self, names: Sequence[str]) -> FloatArray:
         """Return the positions (n,) of joints by their names in ROS, in [rad] or [m], with the robot file's
-        signs; raise `StaleSensor` without a fresh message.
+        signs; raise `StaleSensor` if a joint's last reading is too old.
         """
         self.check_fresh()
         return np.array([self._positions[name] for name in names])
 
     def positions_at(self, names: Sequence[str], stamp: float) -> FloatArray:
         """Return the positions (n,) of joints by their names in ROS, in [rad] or [m], of the message nearest
-        to a stamp in [s]; raise `StaleSensor` without a fresh message.
+        to a stamp in [s]; raise `StaleSensor` if a joint's last reading is too old.
         """
         self.check_fresh()
         _, nearest = min(self._history, key=lambda item: abs(item[0] - stamp))
@@ -112,7 +112,8 @@ class JointStates(TopicSensor):
 
     def efforts(self, names: Sequence[str]) -> FloatArray:
         """Return the efforts (n,) of joints by their names in ROS, in [Nm] or [N], with the robot file's
-        signs; NaN for a joint whose effort is not published.
+        signs; NaN for a joint whose effort is not published. Raise `StaleSensor` if a joint's last reading is
+        too old.
         """
         self.check_fresh()
         return np.array([self._efforts.get(name, math.nan) for name in names])

@@ -23,8 +23,8 @@ from .wrench_topic import WrenchTopic
 class RosArm(CommandedArm, ForceArm):
     """Arm whose joint controllers are commanded over ROS.
 
-    In each period the controllers receive the commanded positions if these have changed, and hold the last
-    ones.
+    In each period the controllers receive the commanded positions if these have changed; otherwise they hold
+    the positions received last.
     """
 
     STATE: ClassVar[Kinds] = {"_command": FloatArray, "_sent": FloatArray}

@@ -26,7 +26,7 @@ def all_capabilities() -> tuple[type[Capability], ...]:
 
 
 def is_declared(kind: type[Capability], robot: RobotFile) -> bool:
-    """Return True if, by its file, a robot has a capability of the class `kind`."""
+    """Return True if a robot's file describes a capability of the class `kind`."""
     if kind in ACTUATOR_CAPABILITIES:
         return kind.FILE_KEY is None or getattr(robot, kind.FILE_KEY) is not None
     return any(capability_of(spec.kind) is kind for spec in robot.sensors.values())

@@ -44,7 +44,7 @@ class DepthErrors(FileModel):
 
     @classmethod
     def exact(cls) -> Self:
-        """Return the errors of a perfect depth camera."""
+        """Return the errors of a perfect depth camera: no noise, and a depth for every pixel."""
         return cls(
             sigma_mm=0.0,
             sigma_mm_per_m2=0.0,

@@ -107,8 +107,8 @@ def sensor_specs() -> Mapping[str, type[SensorSpec]]:
     """Return the class that describes a sensor in a robot's file, for each kind of sensor by name.
 
     Raises:
-        BrokenPlugin: a kind of another package cannot be imported, or the default of its key `kind` is not
-            the kind's name.
+        BrokenPlugin: a kind of another package cannot be imported, or its class does not have the kind's name
+            as the default of the key `kind`.
     """
     found = {name: imported(kind.spec) for name, kind in sensor_kinds().items()}
     for name, spec in found.items():

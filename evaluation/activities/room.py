@@ -81,7 +81,9 @@ def _is_at(relation: ThingRelation, piece: Piece, kind: str, things: Collection[
 
 
 def names_of(definition: Definition, terms: Sequence[str]) -> dict[str, str]:
-    """Return short names of terms: `book_1` for `book.n.02_1`; longer ones for those that would be equal."""
+    """Return short names of terms: `book_1` for `book.n.02_1`; longer names where short names would be
+    equal.
+    """
     short = {text: _short(text) for text in terms}
     twice = {name for name in short.values() if list(short.values()).count(name) > 1}
     return {term: term.replace(".", "_") if name in twice else name for term, name in short.items()}

@@ -97,7 +97,7 @@ def least_gap(piece: Piece) -> float:
 def next_gap(one: CarriedEntry, other_size: Sequence[float]) -> float:
     """Return a gap in [m] at which two things surely count as next to each other.
 
-    It is 75 % of the largest gap at which they do.
+    It is 75 % of the largest such gap.
 
     Args:
         one: size of one thing.

@@ -76,7 +76,7 @@ class Ladder:
         A record is valid if the step passed with this version of the robot's file.
 
         Args:
-            folder: folder of the records; None: that of the site.
+            folder: folder of the records; None: the folder of the site, which is the robot or its bench.
         """
         found = []
         for number, rung in enumerate(self.rungs, 1):

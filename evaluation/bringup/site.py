@@ -55,7 +55,7 @@ class RobotSite(ABC):
     @property
     @abstractmethod
     def fingerprint(self) -> str:
-        """Return a hash of those parts of the robot's file that the bring-up tests."""
+        """Return a hash of those parts of the robot's file that the bring-up procedure checks."""
 
     @abstractmethod
     def backend(self, seed: int = 0) -> AbstractContextManager[Backend]:
@@ -105,7 +105,7 @@ class Site(RobotSite):
 
     @property
     def fingerprint(self) -> str:
-        """Return a hash of those parts of the robot's file that the bring-up tests.
+        """Return a hash of those parts of the robot's file that the bring-up procedure checks.
 
         These are drives, limits, joints and the URDF, without the calibrated wheel radius and tread.
         """

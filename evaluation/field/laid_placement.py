@@ -11,7 +11,9 @@ Place = tuple[float, float]
 
 
 class Placement(NamedTuple):
-    """Placement of one sensor: its target, the robot's estimate, the measurement and the truth."""
+    """Position of one laid sensor: as wanted (target), as estimated by the robot, as measured, and as it
+    truly is.
+    """
 
     name: str
     target: tuple[float, float]

@@ -53,7 +53,10 @@ class DoAction(behaviour.Behaviour):
         self.number, self.row, self.memory, self._carry = number, dict(row), memory, carry
 
     def update(self) -> common.Status:
-        """Execute this leaf's action if it starts in the task's present situation and has attempts left."""
+        """Execute this leaf's action and return Running; return Failure if the action cannot start.
+
+        An action can start in its source situation, as long as it has attempts left.
+        """
         memory, row, most = self.memory, self.row, most_attempts(self.row)
         is_out = most is not None and memory.fails.get(self.number, 0) >= most
         if memory.situation != row["from"] or is_out:

@@ -145,7 +145,9 @@ class Survey(ABC):
         return run.scene is not None and bool(run.does & cls.effects.keys())
 
     def started(self, number: int, primitive: ActionPrimitive) -> None:
-        """React to the start of an action, given its number in the run and its primitive."""
+        """Take note that an action starts, given its number in the run and its primitive; nothing by
+        default.
+        """
 
     def look(self, robot: Robot) -> None:
         """Observe the robot at the end of a control period, for checks and metrics of the survey; called

@@ -85,7 +85,9 @@ EXTENDED_KINDS: tuple[Kind, ...] = (HolonomicBase, ForceArm)
 
 
 def provided_kind(part: Capability, kind: Kind) -> Kind:
-    """Return the interface that a capability implements: the given kind, or a subclass of it in the API."""
+    """Return the interface that a capability implements: `kind`, or one of `EXTENDED_KINDS` that extends
+    it.
+    """
     return next((kind_ for kind_ in EXTENDED_KINDS if isinstance(part, kind_)), kind)
 
 

@@ -59,7 +59,7 @@ class ScansHeader(FileModel):
 
 
 def read_csv_scans(path: Path) -> ScanLog:
-    """Read a log with the columns time_s, x_m, y_m, heading_rad and one for each beam, in [m].
+    """Read a log with the columns time_s, x_m, y_m, heading_rad and one column for each beam's range, in [m].
 
     Raises:
         FileError: header or table have faults; it lists them, up to `MAX_SHOWN_CELLS` faulty cells.

@@ -29,7 +29,9 @@ class MeshRow:
 
     @property
     def fault(self) -> str | None:
-        """Message that the mesh is missing or concave; None if it is sound."""
+        """Message that the mesh is missing, or that a collision mesh is concave; None without such a
+        fault.
+        """
         if not self.found:
             return f"missing{self.hint}"
         if self.filled is None or self.filled >= MIN_CONVEX_SHARE:

@@ -53,5 +53,5 @@ class LiftWatch:
         self._may_slide = SLIDING_PERIODS
 
     def reset(self) -> None:
-        """Discard all scans so far."""
+        """Discard all scans so far, so that the next scan is not compared with an earlier one."""
         self._jump.reset()

@@ -15,8 +15,9 @@ class LateCommands:
         self._kept: deque[Mapping[str, float]] = deque(maxlen=periods + 1)
 
     def passed(self, wanted: Mapping[str, float]) -> Mapping[str, float]:
-        """Return the joint positions that take effect now, because they were received as many periods ago as
-        commands are delayed; empty until the first received positions take effect.
+        """Return the joint positions that take effect now, which were received a fixed number of periods ago.
+
+        The result is empty until the first received positions take effect.
 
         Args:
             wanted: positions received last, in [rad] or [m] by the joint's name.

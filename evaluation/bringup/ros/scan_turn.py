@@ -22,7 +22,7 @@ MIN_ERROR = 0.02
 
 
 def scan_of(backend: RosBackend) -> Scan | None:
-    """Return the lidar's scan; None without a lidar."""
+    """Return the last scan that the robot's lidar delivered; None if the robot has no lidar."""
     lidar = backend.get(RangeSensor)  # type: ignore[type-abstract]
     return None if lidar is None else lidar.scan()
 

@@ -65,8 +65,8 @@ class Learned:
         return cls(task, tuple(folders), seen)
 
     def check(self) -> None:
-        """Raise `NothingLearned` if one half of the trials predicts results that differ significantly in the
-        other.
+        """Raise `NothingLearned` if the results of one half of the trials differ significantly from those
+        that the other half predicts.
         """
         wrong = self.trust.wrong
         if wrong is not None:
@@ -84,7 +84,7 @@ class Learned:
 
     @cached_property
     def prediction(self) -> Prediction:
-        """Probability of the task's success and its mean duration, predicted from all trials learned from."""
+        """Probability of the task's success and its mean duration, predicted from all recorded trials."""
         return predict(self.task, self.seen)
 
     @property

@@ -68,8 +68,8 @@ class TrialTable:
     def listed(self) -> tuple[list[str], list[TrialRow], int]:
         """Return columns and rows of the page's list of trials, and the number of trials that it omits.
 
-        To keep the page of a large campaign small, it omits trials whose Success the ground truth does not
-        contradict, and columns of metrics that not all trials have.
+        To keep the page of a large campaign small, it omits the least interesting trials, whose Success the
+        ground truth does not contradict, and columns of metrics that not all trials have.
         """
         chosen = self._chosen()
         names = list(OF_ALL)

@@ -228,8 +228,8 @@ def rates(bench: KitBench, finding: CheckResult) -> None:
     """Check that each sensor has one reading a period, so that a second call in a period returns the same
     reading.
 
-    In the next period the reading must be new, which noise shows. A simulation without noise is accepted if
-    its readings change while the base drives.
+    Within the next periods the noise of a sensor must change its reading. A simulation without noise is
+    accepted if its readings change while the base drives.
     """
     with bench.rig() as rig:
         backend = rig.backend

@@ -112,7 +112,7 @@ def _dawdle(backend: Backend, number: int) -> bool:
 
 
 def scene_of_bench(bench: KitBench) -> object:
-    """Return the true state of the world that the tested backend simulates; None for other backends."""
+    """Return the true state of the world that the tested backend simulates; None if it simulates none."""
     with bench.rig() as rig:
         scene: object = simulated_world(rig.backend)
         return scene

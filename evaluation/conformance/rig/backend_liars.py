@@ -178,7 +178,9 @@ class RollsDice(LayeredBackend):
 
 
 class HalfPixel(LayeredBackend):
-    """Mutant backend whose pictures are half a pixel off, as if pixels were counted from their edges."""
+    """Mutant backend whose pictures are shifted by half a pixel, as if coordinates were those of the pixels'
+    edges, not of their middles.
+    """
 
     def __init__(self, inner: Backend, spec: RobotFile) -> None:
         super().__init__(inner)

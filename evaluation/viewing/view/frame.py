@@ -14,7 +14,7 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray
 
 @dataclass(frozen=True)
 class Frame:
-    """State of a run at one time, to be drawn; the drawing of a field that is None stays unchanged."""
+    """State of a run at one time, to be drawn. A part of the drawing stays unchanged if its field is None."""
 
     moment: PlaybackMoment
     situation: str
