@@ -220,7 +220,7 @@ class Robot:
 
     @cached_property
     def drive_limits(self) -> DriveLimits:
-        """Limits of the base's speed, turn rate and accelerations."""
+        """Limits of the base's speed, turn rate and accelerations, in SI units."""
         return self.spec.drive.limits
 
     @property

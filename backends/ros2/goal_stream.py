@@ -71,7 +71,7 @@ class GoalStream:
         self._watched.append(_Watched(self.sender.send(goal), self._clock()))
 
     def cancel(self) -> None:
-        """Cancel all goals that have not ended."""
+        """Cancel the goal that was sent last, if it has not ended; earlier goals were replaced by it."""
         for watched in self._watched:
             if not watched.was_replaced:
                 watched.goal.cancel()

@@ -29,7 +29,7 @@ def ros_findings(robot: RobotFile, document: Document) -> list[Finding]:
 
 
 def ros_faults(robot: RobotFile, spec: RosSpec) -> Iterator[tuple[KeyPath, str, bool]]:
-    """Yield the faults of a section `ros2`.
+    """Yield the faults of a section `ros2`, of joints, cameras and the satellite receiver.
 
     Each fault consists of the key path below the section, a text, and True if the key itself is wrong, False
     if its value is wrong.

@@ -292,8 +292,10 @@ class RosTopics:
 
 
 def check_joints(robot: RobotFile, spec: RosSpec) -> None:
-    """Raise `UnknownJoints` if a joint of the arm has no controller or more than one, or if a controller has
-    a joint that the arm lacks.
+    """Raise `UnknownJoints` if the section `ros2` of the robot's file has faults (see `ros_faults`).
+
+    Such faults are a joint that the arm lacks, a joint with no or several controllers, and an incomplete
+    description of a camera or a satellite receiver.
     """
     wrong = [": ".join(["ros2", *map(str, key[:1]), words]) for key, words, _ in ros_faults(robot, spec)]
     if wrong:

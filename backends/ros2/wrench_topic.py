@@ -23,7 +23,7 @@ class WrenchTopic(TopicSensor):
 
     def force(self) -> FloatArray:
         """Return the force (3,) of the surroundings on the hand, in [N], in the hand frame; raise
-        `StaleSensor` without a fresh message.
+        `StaleSensor` if the last message is too old.
         """
         self.check_fresh()
         force: FloatArray = self._mean.copy()

@@ -26,7 +26,7 @@ class Verdict(NamedTuple):
 
 
 def judge_goal(definition: Definition, things: Mapping[str, TrueThing]) -> Verdict:
-    """Return whether the goal of an activity holds.
+    """Return whether the goal of an activity holds, and which of its conditions do not.
 
     Args:
         definition: the activity.
@@ -47,7 +47,7 @@ def judge_goal(definition: Definition, things: Mapping[str, TrueThing]) -> Verdi
 
 
 def judge_start(definition: Definition, things: Mapping[str, TrueThing]) -> Verdict:
-    """Return whether the initial conditions of an activity hold.
+    """Return whether the initial conditions of an activity hold, and which of them do not.
 
     Args:
         definition: the activity.

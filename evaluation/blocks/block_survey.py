@@ -154,9 +154,10 @@ class BlockSurvey(Survey):
         return result
 
     def faults(self) -> list[str]:
-        """Return a message for each block that is more than `STACKED_MM` from its goal, or missing there.
+        """Return a message for each block that is more than `STACKED_MM` from its goal, and one with the
+        number of missing blocks.
 
-        Each contradicts the Success of a complete run.
+        Each message contradicts the Success of a complete run.
         """
         goals, errors = len(self.plan.goals) if self.plan else 0, self.errors()
         far = [

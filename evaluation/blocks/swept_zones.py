@@ -21,10 +21,12 @@ Zone = tuple[float, float, float, float, float]
 
 
 def swept_zones(spec: RobotFile, things: Sequence[Box]) -> list[Zone]:
-    """Return a keepout zone around each thing, so that the robot in its posture `home` cannot touch it.
+    """Return a keepout zone around each thing, so that the robot in its posture `home` cannot touch the
+    thing.
 
     The zones are for planning with the base's footprint. Where the robot's bodies at a thing's height reach
-    less far than the footprint, the thing's zone is smaller by the difference.
+    less far than the footprint, the thing's zone is smaller by the difference. A thing at whose height the
+    robot has no body gets no zone.
 
     Args:
         spec: robot file.

@@ -72,7 +72,8 @@ class CalibrationSurvey(FiguresSurvey):
             self._figures |= self.spots()
 
     def spots(self) -> dict[str, float]:
-        """Return suspension parameters, measured by laser beams from the robot, by name; each name ends with
-        the unit.
+        """Return suspension parameters, measured by laser beams from the robot, by name with unit.
+
+        The result is empty if no lasers are simulated.
         """
         return {} if self._lasers is None else self._lasers.figures()

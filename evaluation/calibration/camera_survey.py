@@ -22,7 +22,8 @@ _COLUMNS, _ROWS = 17, 13
 def camera_figures(
     robot: RobotFile, spec: CameraSpec, seed: int, found: Mapping[str, Calibrated]
 ) -> dict[str, float]:
-    """Return the errors of points located by the camera before and after its calibration, as run metrics.
+    """Return errors of the camera's mounting, and of points located by the camera, before and after its
+    calibration, as run metrics.
 
     Args:
         robot: robot as it was in the run.

@@ -101,7 +101,10 @@ class ContactSurvey(Survey):
         return [str(touched) for touched in unmeant] if isinstance(outcome, Success) else []
 
     def unmeant(self) -> list[Touched]:
-        """Return the contacts of the running action that its primitive does not declare as intended."""
+        """Return the contacts of the running action that its primitive does not declare as intended.
+
+        Contacts are left out in which a simulated person or cart ran into the base at rest.
+        """
         number = 0 if self._running is None else self._running[0]
         own = (contact for contact in self.contacts if contact.action == number and number)
         return [item for item in own if not item.meant and not item.ran_into_it]

@@ -37,7 +37,8 @@ class MapFigures(NamedTuple):
 
 
 def compare_with_world(run: SurveyedRun, drawn: DrawnMap, radius_m: float) -> MapFigures:
-    """Return the errors of a map's walls, and the share of the floor mapped, by the simulated world.
+    """Return the errors of a map's walls, and the share of the floor mapped, by the simulated world; the
+    share is NaN without outer walls.
 
     Args:
         run: run with the simulated world and the robot.

@@ -21,7 +21,7 @@ def read_run_scans(folder: Path) -> ScanLog:
 
     Raises:
         NoRun: the folder holds no run, or no recording.
-        FileError: the robot has no lidar.
+        FileError: fewer than two scans were recorded, for example because the robot has no lidar.
     """
     recorded = Playback.read(folder)
     robot, rows = recorded.scenery.robot, recorded.rows

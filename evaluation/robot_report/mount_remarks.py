@@ -82,7 +82,7 @@ def hidden_links(robot: RobotFile) -> list[tuple[str, tuple[float, float]]]:
 def whole_degrees(sector: tuple[float, float]) -> tuple[int, int]:
     """Convert a sector in [rad] to whole degrees, rounded outwards, for the key `masked_deg` of a lidar.
 
-    The end of the sector is at most 180.
+    An end above 180 degrees is returned minus 360.
     """
     start, end = math.floor(math.degrees(sector[0])), math.ceil(math.degrees(sector[1]))
     return start, end if end <= 180 else end - 360

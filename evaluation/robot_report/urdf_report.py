@@ -23,7 +23,7 @@ class UrdfReport:
 
 
 def urdf_report(path: Path) -> UrdfReport:
-    """Check a URDF, and return its content and the findings."""
+    """Check a URDF; return its content with remarks on it, and the robot's main parts guessed from it."""
     part = read_part(path.name, path.parent)
     places = {key: SourcePlace(part.file, *spot) for key, spot in part.places.items()}
     whole = RobotUrdf(part.text, places, doubts=part.doubts)

@@ -150,9 +150,9 @@ class SeamSurvey(Survey):
 
     def faults(self) -> list[str]:
         """Return messages if a part of the seam was not tracked, or if the tool was off the seam by more than
-        the limit in `limits`.
+        the limit `tracking_error_mm_max` in `limits`.
 
-        Both contradict the Success of the complete run.
+        Each message contradicts the Success of the complete run.
         """
         seam = self.run.model.of(Seam).seam
         if seam is None:

@@ -31,7 +31,9 @@ class NoTopics(InputError):
 
 
 class UnknownJoints(InputError):
-    """Error: the section `ros2` names joints that the arm does not have, or a joint has no controller."""
+    """Error: the section `ros2` names joints that the arm lacks, has a joint without a controller, or does
+    not fit the robot's sensors.
+    """
 
     def __init__(self, findings: Sequence[str]) -> None:
         super().__init__("\n".join(findings))

@@ -59,7 +59,7 @@ class EntryCounts:
 
     @property
     def p_give_up(self) -> float:
-        """Expected probability of GiveUp, rounded as in a task file; 0 if no attempt gave up."""
+        """Estimated probability of GiveUp, rounded as in a task file; 0 if no attempt ended in GiveUp."""
         if not self.counts.give_ups:
             return 0.0
         return round(min(self.counts.chance.give_up, 1.0 - self.p), 4)

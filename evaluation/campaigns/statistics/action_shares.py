@@ -32,5 +32,5 @@ class ActionShare:
 
     @property
     def wilson(self) -> tuple[float, float]:
-        """95 % interval of the probability of Success, by Wilson."""
+        """95 % confidence interval of the probability of Success, by Wilson's score interval for a share."""
         return wilson(self.success, self.attempts)

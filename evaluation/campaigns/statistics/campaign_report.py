@@ -58,7 +58,7 @@ class CampaignReport:
 
     @property
     def wilson(self) -> tuple[float, float]:
-        """95 % interval of the success rate, by Wilson; (0, 1) without trials."""
+        """95 % confidence interval of the success rate, by Wilson's score interval; (0, 1) without trials."""
         return wilson(self.successes, len(self.trials))
 
     @property

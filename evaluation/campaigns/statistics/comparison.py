@@ -51,7 +51,9 @@ class MetricChange:
 
     @property
     def proven(self) -> bool:
-        """True if the metric's mean change is significant, by a p-value of at most `SIGNIFICANCE_LEVEL`."""
+        """True if the metric's mean change is significant: its adjusted p-value is at most
+        `SIGNIFICANCE_LEVEL`.
+        """
         return self.adjusted <= SIGNIFICANCE_LEVEL
 
 

@@ -15,7 +15,10 @@ CONFIDENCE_LEVEL = 0.95
 
 
 def wilson(successes: int, count: int) -> tuple[float, float]:
-    """Return the 95 % confidence interval of a probability by Wilson (1927); (0, 1) without trials."""
+    """Return the 95 % confidence interval of a probability, by Wilson's score interval (1927).
+
+    It is (0, 1) without trials.
+    """
     if not count:
         return 0.0, 1.0
     share, z = successes / count, float(ndtri(0.5 + CONFIDENCE_LEVEL / 2.0))

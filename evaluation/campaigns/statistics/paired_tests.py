@@ -32,8 +32,8 @@ def mcnemar(only_one: int, only_other: int) -> float:
 
 
 def signed_rank(differences: FloatArray) -> float:
-    """Return the two-sided p-value that differences (n,) of a metric are symmetric about 0, by Wilcoxon
-    (1945).
+    """Return the two-sided p-value that differences (n,) of a metric are symmetric about 0, by Wilcoxon's
+    signed-rank test (1945).
 
     Zero differences are dropped; the p-value is 1 if no others are left.
     """

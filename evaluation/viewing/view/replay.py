@@ -71,7 +71,7 @@ class Replay:
         self._play.label = "Pause" if playing else "Play"
 
     def step(self, passed: float) -> bool:
-        """Advance the replay by `passed` [s] of wall time, and return whether a new frame was drawn."""
+        """Advance the replay by `passed` [s] of wall time; return True if a new frame was drawn."""
         if self._playing:
             self.go_to(self._time + passed * self._factor)
             if self._time >= self._playback.end:
@@ -88,7 +88,9 @@ class Replay:
         return True
 
     def run(self, over: Callable[[], bool]) -> None:
-        """Play the replay in real time until `over`, called before each frame, returns True."""
+        """Play the replay at the speed chosen on the page until `over`, called before each frame, returns
+        True.
+        """
         before = clock.monotonic()
         while not over():
             clock.sleep(max(0.001, before + 1.0 / MAX_FRAMES_PER_S - clock.monotonic()))
