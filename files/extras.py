@@ -37,7 +37,8 @@ def extra_of(error: ImportError) -> str | None:
 
 
 def lack(who: str, extra: str) -> str | None:
-    """Return a message that modules of an extra are missing for a part of handcart, and how to install them.
+    """Return a message that a part of handcart lacks optional dependencies (an "extra"), and how to install
+    them.
 
     Args:
         who: name of the part in the message.

@@ -24,7 +24,7 @@ _REFUSED = (
 def portable(path: str) -> str:
     """Return `path` unchanged if it is a relative path on every system; otherwise raise `UnsafePath`.
 
-    It may still contain `..`: only `resolve_inside` can say whether that leads out of its root.
+    The path may still contain `..`; only `resolve_inside` can check whether the path leads out of its root.
     """
     for pattern, reason in _REFUSED:
         if pattern.fullmatch(path):

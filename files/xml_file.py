@@ -36,13 +36,13 @@ def read_xml_text(path: Path | str, check: Check | None = None, max_bytes: int =
 
     Args:
         path: the file.
-        check: called with each element; it yields the element's problems.
+        check: called with each element; yields the element's problems. None: only the syntax is checked.
         max_bytes: larger files are not read.
 
     Raises:
         FileError: the file is missing, is not a regular file or is too large; its content is not UTF-8, not
             well-formed, nested too deeply, or has too many elements and attributes or a document type (which
-            could define endless entities); or `check` yielded a problem. It states line and column.
+            could define endless entities); or `check` yielded a problem. The error states line and column.
     """
     return checked_xml(read_regular_file(path, max_bytes), str(path), check)
 
@@ -53,7 +53,7 @@ def checked_xml(content: bytes, file: str, check: Check | None = None) -> str:
     Args:
         content: bytes of the file, which may begin with a byte order mark.
         file: name of the file in messages.
-        check: called with each element; it yields the element's problems.
+        check: called with each element; yields the element's problems. None: only the syntax is checked.
 
     Raises:
         FileError: with line and column; see `read_xml_text`.

@@ -18,7 +18,9 @@ SHIPPED_FOLDER = Path(__file__).parent
 
 
 def named_tasks() -> dict[str, Path]:
-    """Return the task files that can be run by name, by their names, the shipped ones first."""
+    """Return the paths of all tasks that can be run by name, keyed by the name; the shipped ones come
+    first.
+    """
     tasks = _tasks_below(SHIPPED_FOLDER, "")
     for owner, folder in plugin_folders(TASKS_GROUP).items():
         tasks |= _tasks_below(folder, f"{owner}/")

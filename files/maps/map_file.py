@@ -88,13 +88,15 @@ class OccupancyFile(NamedTuple):
 
     @property
     def grid(self) -> GridMap:
-        """Occupancy grid of the map."""
+        """Occupancy grid of the map, in which each cell is occupied, free or unknown."""
         return from_occupancy(self.values, self.resolution, self.origin)
 
 
 def is_map(document: Document) -> bool:
-    """Return whether a file has the keys of a map in ROS format; one of the keys may be missing or
-    misspelled.
+    """Return whether a file has the keys of a map in ROS format.
+
+    One of the keys may be missing or misspelled, so that a map with such a mistake is still reported as a
+    map.
     """
     keys = document.data.keys() if isinstance(document.data, dict) else set()
     return "format" not in keys and len({"image", "resolution", "origin"} & keys) >= 2

@@ -63,7 +63,7 @@ def load(
         path: the file.
         model: type of the value.
         overrides: unparsed values of `--set KEY=VALUE` by key of the file's section `parameters`; checked
-            like values in the file.
+            like values in the file. None: no value is changed.
         context: passed to the validators of the model (`info.context`).
 
     Raises:

@@ -93,7 +93,11 @@ class Document:
         return self.root.deepest(path)[0].line == 0
 
     def with_value(self, path: KeyPath, value: Node) -> "Document":
-        """Return the document with another value at `path`; raises KeyError if its parent is missing."""
+        """Return a copy of the document with another value at `path`.
+
+        Raises:
+            KeyError: the mapping or list that should contain the value is missing.
+        """
         return replace(self, root=self.root.replaced(path, value))
 
 

@@ -42,7 +42,7 @@ class Node:
         return node, True
 
     def plain(self) -> Any:
-        """Return the value as dict, list, str, int, float, bool or None."""
+        """Return the value, with all values in it, as dict, list, str, int, float, bool or None."""
         if isinstance(self.content, dict):
             return {key: child.plain() for key, child in self.content.items()}
         if isinstance(self.content, list):

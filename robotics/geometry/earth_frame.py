@@ -10,7 +10,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 class EarthFrame:
     """Frame of a field on the ground, whose coordinates are computed from latitude and longitude on WGS 84.
 
-    It is an azimuthal equidistant projection around the field's origin: x is east, y north, in [m]. Its error
+    The projection is azimuthal equidistant around the field's origin: x is east, y north, in [m]. Its error
     is at most a millimetre within 10 km of the origin.
     """
 

@@ -23,12 +23,14 @@ class Footprint(NamedTuple):
 
     @property
     def is_disc(self) -> bool:
-        """True if the outline is a disc of `radius`."""
+        """True if the outline is a disc of `radius`, False if it is a polygon."""
         return len(self.corners) == 0
 
     @property
     def inscribed(self) -> float:
-        """Radius of the largest circle around the origin inside the outline, in [m]."""
+        """Radius, in [m], of the largest circle around the base frame's origin that lies inside the
+        outline.
+        """
         return self.radius if self.is_disc else -polygon_distance(self.corners, 0.0, 0.0)
 
     def distances(self, points: FloatArray) -> FloatArray:

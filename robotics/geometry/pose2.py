@@ -60,7 +60,7 @@ class Pose2(NamedTuple):
         return moved
 
     def distance(self, other: Pose2) -> float:
-        """Straight distance between the two positions, in [m]."""
+        """Return the straight distance, in [m], between the positions of this pose and of `other`."""
         return math.hypot(self.x - other.x, self.y - other.y)
 
     def turn(self, other: Pose2) -> float:
@@ -68,7 +68,7 @@ class Pose2(NamedTuple):
         return abs(wrap(self.theta - other.theta))
 
     def lift(self, z: float = 0.0) -> FloatArray:
-        """Return the pose in space, (4, 4), at height `z` in [m]."""
+        """Return this pose as a pose in space, a matrix (4, 4), at height `z` in [m] and without tilt."""
         cos, sin = math.cos(self.theta), math.sin(self.theta)
         return np.array(
             [[cos, -sin, 0.0, self.x], [sin, cos, 0.0, self.y], [0.0, 0.0, 1.0, z], [0.0, 0.0, 0.0, 1.0]]

@@ -199,8 +199,8 @@ class ArmModel:
     ) -> FloatArray | None:
         """Return joint angles (n,) within the limits that put the tip at a pose; None if none was found.
 
-        They are in [rad] or [m]. If the iteration from `near` converges, its result is returned. Continuous
-        joints are in the turn nearest to `near`.
+        The angles are in [rad], or in [m] for sliding joints. If the iteration from `near` converges, its
+        result is returned. Continuous joints are in the turn nearest to `near`.
 
         Args:
             base_T_tip: (4, 4) pose of the tip.

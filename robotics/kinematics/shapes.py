@@ -92,12 +92,14 @@ def radius_about(shape: Shape) -> float:
 
 
 def top(shape: Shape) -> float:
-    """Height in [m] of the highest point of a body, along z of the frame that it is posed in."""
+    """Return the height, in [m], of the highest point of a body, along z of the frame in which it is
+    posed.
+    """
     return float(shape.pose[2, 3]) + _reach(shape, shape.pose[2, :3])
 
 
 def bottom(shape: Shape) -> float:
-    """Height in [m] of the lowest point of a body, along z of the frame that it is posed in."""
+    """Return the height, in [m], of the lowest point of a body, along z of the frame in which it is posed."""
     return float(shape.pose[2, 3]) - _reach(shape, -shape.pose[2, :3])
 
 

@@ -147,10 +147,10 @@ def _frame(robot: ElementTree.Element, onto: str, name: str) -> ElementTree.Elem
 
 
 def root_link(robot: ElementTree.Element) -> str:
-    """Return the link that no joint moves.
+    """Return the name of a URDF's root link, which is the only link that no joint moves.
 
     Raises:
-        ValueError: the URDF has none or several.
+        ValueError: the URDF has no such link, or several.
     """
     children = {child.get("link") for child in robot.findall("joint/child")}
     roots = [name for name in _names(robot, "link") if name not in children]

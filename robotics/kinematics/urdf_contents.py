@@ -70,7 +70,7 @@ def link_names(urdf_text: str) -> list[str]:
 
 
 def joints_of(urdf_text: str) -> list[JointFacts]:
-    """Return the movable joints, in the file's order.
+    """Return the movable joints of a URDF, in the order of its text.
 
     Raises:
         ValueError: the text is not a URDF.
@@ -89,7 +89,7 @@ def links_of(urdf_text: str) -> list[LinkFacts]:
 
 
 def link_joints(urdf_text: str) -> list[tuple[str, str, str]]:
-    """Return name, parent link and child link of all joints, fixed ones too.
+    """Return name, parent link and child link of all joints of a URDF, fixed ones too.
 
     Raises:
         ValueError: the text is not a URDF.
@@ -101,7 +101,7 @@ def link_joints(urdf_text: str) -> list[tuple[str, str, str]]:
 
 
 def links_with_bodies(urdf_text: str) -> list[str]:
-    """Return the names of the links that have collision bodies.
+    """Return the names of those links of a URDF that have collision bodies.
 
     Raises:
         ValueError: the text is not a URDF.

@@ -12,7 +12,7 @@ _NOT_WELL_FORMED = "the URDF is not well-formed"
 
 
 class UrdfFault(NamedTuple):
-    """A fault of a URDF; line and column count from 1."""
+    """Fault in the text of a URDF, as a message with its line and column, which count from 1."""
 
     line: int
     column: int

@@ -9,7 +9,7 @@ T = TypeVar("T")
 
 
 def finish(steps: Generator[None, None, T]) -> T:
-    """Run all steps of a computation at once, and return its result."""
+    """Run all steps of a computation, given as a generator, at once; return the generator's result."""
     while True:
         try:
             next(steps)

@@ -91,7 +91,7 @@ class ScoreRule(NamedTuple):
 def worth(measure: int, elements: FloatArray, rates: FloatArray, spread: float, limits: FloatArray) -> float:
     """Return the score of a reached point: from 0 to 1, or the manipulability for `Measure.MANIPULABILITY`.
 
-    It is `UNUSABLE_SCORE` if the lever at a joint is beyond a limit.
+    The score is `UNUSABLE_SCORE` if the lever of the tool's force about a joint is beyond its limits.
 
     Args:
         measure: a `Measure`.

@@ -19,7 +19,9 @@ from .screw_table import StartPool, ToolRule, ToolTargets, pool_poses, screw_tab
 
 
 class FreeTurn(IntEnum):
-    """Turn of the tool that a path does not prescribe, so that the arm may choose it."""
+    """Turn of the tool that a path does not prescribe, so that the arm may choose it: none, the turn about
+    the vertical, or the turn about the tool's own axis.
+    """
 
     NONE = NOTHING_FREE
     VERTICAL = VERTICAL_FREE

@@ -66,7 +66,7 @@ SCREW_TABLE_TYPES = (
 
 @compiled
 def pool_poses(chain: ScrewChain, pool: FloatArray) -> FloatArray:
-    """Return base_T_tip (m, 4, 4) of the postures `pool` (m, n), in [rad]."""
+    """Return base_T_tip (m, 4, 4) of m postures, the rows of `pool` (m, n): joint angles in [rad]."""
     poses = np.zeros((len(pool), 4, 4))
     jacobian = np.empty((6, pool.shape[1]))
     for index in range(len(pool)):

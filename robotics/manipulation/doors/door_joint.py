@@ -47,15 +47,18 @@ class DoorJoint(NamedTuple):
         return np.asarray(there @ transform(rpy=(0.0, 0.0, self.sign * opening)) @ inverse(there))
 
     def displaced(self, opening: float) -> Transform:
-        """Return the rigid displacement (4, 4) of the door from closed to an opening, in [rad] or [m].
+        """Return the motion (4, 4) of the door from closed to an opening, in [rad] or [m].
 
-        It is given in the same frame as `closed`: for any part of the door, displacement @ (pose with the
-        door closed) is the pose at the opening.
+        For any part of the door, motion @ (pose with the door closed) is the pose at the opening. All are in
+        the frame of the attribute `closed` (pose of the closed door's handle).
         """
         return np.asarray(self.closed @ self._moved(opening) @ inverse(self.closed))
 
     def handle_at(self, opening: float) -> Transform:
-        """Return the handle's pose (4, 4) at an opening in [rad] or [m], in the same frame as `closed`."""
+        """Return the handle's pose (4, 4) when the door is open by `opening`, in [rad] or [m].
+
+        The pose is in the frame of the attribute `closed` (pose of the closed door's handle).
+        """
         return np.asarray(self.displaced(opening) @ self.closed)
 
     def opening_at(self, point: FloatArray) -> float:

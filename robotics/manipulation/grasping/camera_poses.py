@@ -17,7 +17,7 @@ ROLLS_RAD = tuple(math.radians(value) for value in (0.0, 180.0, 90.0, -90.0, 45.
 def from_direction(tilt: float, azimuth: float) -> FloatArray:
     """Return the unit vector (3,) at an angle `tilt` from the vertical and an azimuth, both in [rad].
 
-    It is in any frame with z up; the azimuth is from x towards y, about z.
+    The vector is in any frame with z up; the azimuth is from x towards y, about z.
     """
     return np.array([math.sin(tilt) * math.cos(azimuth), math.sin(tilt) * math.sin(azimuth), math.cos(tilt)])
 

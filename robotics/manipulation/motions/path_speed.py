@@ -22,8 +22,8 @@ def highest_speed(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the highest possible speed along a joint path as a function of arc length, from rest to rest.
 
-    It is computed by TOPP-RA (Pham and Pham 2018), which limits the speed in one backward and one forward
-    pass.
+    TOPP-RA (Pham and Pham 2018) computes in a backward pass along the path from which speeds the arm can
+    still stop, and in a forward pass the highest of these speeds.
 
     Args:
         rounded: the path, in [rad] or [m].

@@ -80,7 +80,7 @@ def place_alongside(
         blocked: function that reports which of many base poses are blocked.
         count: maximum number of drives.
         free: function that reports whether base poses along a drive are free of contact, with the joint
-            angles (1, n) at each.
+            angles (1, n) at each; None: not checked.
 
     Returns:
         Placements whose `bases` are the beginnings of the drives.

@@ -23,7 +23,9 @@ _RAY_NOISE = 6e-5  # [rad] of a corner: 0.05 px of a lens of 800 px
 
 
 class Swing(NamedTuple):
-    """A motion of the arm from a reference posture, described by the hand's poses before and after it."""
+    """Motion of the arm from a reference posture: hand poses before and after, and number of swings
+    between.
+    """
 
     base_T_hand: Transform
     """Pose of the hand by the joints, (4, 4)."""
@@ -71,7 +73,7 @@ def fit_sightings(
         sightings: sightings of landmarks, each with the motion of the arm before it.
         hand_T_camera: (4, 4) pose of the camera.
         base_T_sheet: (4, 4) estimated pose of the sheet, accurate to a few centimetres.
-        known: parameters that are not fitted, by name, in SI units.
+        known: parameters that are not fitted, by name, in SI units; None: all are fitted.
         arm_error: standard deviation of the arm's error along each axis, in [m].
 
     Raises:

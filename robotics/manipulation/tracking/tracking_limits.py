@@ -67,7 +67,7 @@ class ArmLoad:
             period: time between two set-points, in [s].
             torque: torque limits (n,), in [Nm].
             push: torques (k, n) of the tool's work, in [Nm]; their size is added to the motion's torques,
-                whatever their sign.
+                whatever their sign. None: the tool does no work.
         """
         padded = np.vstack((set_points[:1], set_points, set_points[-1:]))
         steps = np.diff(padded, axis=0) / period

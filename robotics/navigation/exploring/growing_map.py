@@ -61,12 +61,12 @@ class GrowingMap:
 
     @property
     def last(self) -> Keyframe:
-        """The latest keyframe of the map."""
+        """Keyframe (scan with the odometry's pose) that was added last."""
         return self.graph.frames[-1]
 
     @property
     def poses(self) -> list[Pose2]:
-        """map_T_base of each keyframe."""
+        """Poses map_T_base of all keyframes, in the order in which they were added."""
         return self.graph.poses
 
     def pose_of(self, odometry: Pose2) -> Pose2:
@@ -82,7 +82,7 @@ class GrowingMap:
     def carry_on_from(self, odometry: Pose2, displacement: Pose2) -> None:
         """Set a measured pose of the base, from which later poses are computed by odometry.
 
-        It is used by `pose_of` until the next keyframe is added.
+        The method `pose_of` uses this pose until the next keyframe is added.
 
         Args:
             odometry: odom_T_base when the pose was measured.
@@ -144,7 +144,7 @@ class GrowingMap:
     def covariance(self) -> FloatArray:
         """Return the covariance (3, 3) of the latest pose relative to the first.
 
-        It is that of x, y and heading along the axes of the map, in [m, m, rad].
+        Rows are x, y and heading along the axes of the map, in [m, m, rad].
         """
         return np.asarray(covariances(np.array(self.poses), self.graph.edges)[-1])
 

@@ -87,7 +87,7 @@ class BlockedMotion:
         self._in_a_row = 0
 
     def clear(self) -> None:
-        """Discard all motion that was recorded so far."""
+        """Discard all motion that was recorded so far, so that a new window of time begins."""
         self._periods.clear()
         self._in_a_row = 0
 

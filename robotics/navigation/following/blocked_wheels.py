@@ -46,7 +46,7 @@ class BlockedWheels:
         self._sides = {side: BlockedMotion(period, CONFIRMING_PERIODS) for side in ("left", "right")}
 
     def clear(self) -> None:
-        """Discard all motion that was recorded so far."""
+        """Discard all motion that was recorded so far, so that a new window of time begins."""
         for side in self._sides.values():
             side.clear()
 

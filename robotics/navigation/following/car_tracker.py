@@ -74,7 +74,7 @@ class CarTracker:
 
     @property
     def remaining(self) -> float:
-        """Length of path still ahead, in [m]."""
+        """Length of the path from the car's present place on it to its end, in [m]."""
         if self._at >= len(self._legs):
             return 0.0
         return self._legs[self._at].pursuit.left + sum(leg.length for leg in self._legs[self._at + 1 :])
@@ -86,7 +86,10 @@ class CarTracker:
 
     @property
     def ahead(self) -> FloatArray:
-        """Points (k, 2) of the present leg of the path from the car on, on the map, in [m]."""
+        """Points (k, 2) on the map, in [m], from the car to the end of the path's present leg.
+
+        A leg is a part of the path that is driven in one direction, forwards or backwards.
+        """
         if self._at >= len(self._legs):
             return np.empty((0, 2))
         leg = self._legs[self._at]

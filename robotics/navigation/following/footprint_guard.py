@@ -139,7 +139,7 @@ class FootprintGuard:
 
 
 class SensorView(NamedTuple):
-    """Field of view of a lidar on a base."""
+    """Field of view of a lidar on a base: its position and the range of its beams' angles."""
 
     x: float
     """Position of the lidar in the base frame, x and y in [m]."""

@@ -15,7 +15,7 @@ FINE_SHARE = 0.25  # of the tolerance of the heading, within which noise of the 
 
 
 class PoseTolerance(NamedTuple):
-    """Tolerances within which a base counts as arrived at a goal pose."""
+    """Tolerances of position and heading within which a base counts as arrived at a goal pose."""
 
     position: float = 0.008
     """Position tolerance in [m]."""

@@ -60,7 +60,7 @@ class KeyframeLayer:
         self.clear()
 
     def clear(self) -> None:
-        """Forget all keyframes."""
+        """Remove all keyframes, so that scans match nothing until new ones are added."""
         self._poses, self._covariances = np.empty((0, 3)), np.empty((0, 9))
         self._points, self._owners = np.empty((0, 2)), np.empty(0, dtype=np.int64)
         self._field: LikelihoodField | None = None

@@ -76,7 +76,7 @@ class Localizer(ABC):
 
     @property
     def pose(self) -> Pose2:
-        """Estimated map_T_base."""
+        """Estimated pose of the base on the map (map_T_base)."""
         return self._odometry.pose
 
     @property
@@ -96,7 +96,7 @@ class Localizer(ABC):
         return None
 
     def extend_map(self, field: LikelihoodField) -> None:
-        """Compare scans with another map from now on, which has the same frame as the map before."""
+        """Compare scans from now on with another map, whose frame is that of the present map."""
 
     def change_map(self, field: LikelihoodField, pose: Pose2, covariance: FloatArray) -> None:
         """Change to another map with another frame: set the pose there, and compare scans with that map.
@@ -257,7 +257,7 @@ class ScanLocalizer(Localizer):
         return self.misplaced or self._poor >= self._patience
 
     def correct(self, points: FloatArray) -> bool:
-        """Correct the pose by a scan, unless too few points fit the map; return whether it was corrected.
+        """Correct the pose by a scan if enough of its points fit the map; return whether it was corrected.
 
         Args:
             points: (n, 2) end points of the scan in the base frame, in [m].

@@ -71,8 +71,9 @@ def thinned(beams: ScanBeams, most: int = MAX_BEAMS) -> ScanBeams:
 
 
 def independent_beams(beams: ScanBeams) -> float:
-    """Return the number of sectors of `INDEPENDENT_RAD` in which a scan has a reading; beams of different
-    sectors count as independent.
+    """Return the number of sectors, each `INDEPENDENT_RAD` wide, in which a scan has a reading.
+
+    Beams of different sectors count as independent measurements.
     """
     known = beams.angles[~np.isnan(beams.ranges)]
     return float(len(np.unique(np.floor(known / INDEPENDENT_RAD)))) if len(known) else 0.0

@@ -35,7 +35,7 @@ MAX_FOUND = 200
 
 
 class Found(NamedTuple):
-    """Poses of the base that may explain a scan, the best first."""
+    """Poses of the base at which a scan fits the map, the best first, with their log-likelihoods."""
 
     poses: FloatArray
     """(n, 3) map_T_base, in [m, m, rad]."""

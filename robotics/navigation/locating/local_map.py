@@ -35,7 +35,10 @@ class _View(NamedTuple):
 
 
 class LocalMap:
-    """Map of the surroundings that is drawn from scans, at poses from odometry and matching of the scans."""
+    """Map of the surroundings that is drawn from scans, at poses from odometry and matching of the scans.
+
+    All poses are in a frame called `local`, whose pose on the robot's own map may be unknown.
+    """
 
     def __init__(self) -> None:
         """Create an empty map."""

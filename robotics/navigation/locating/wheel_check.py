@@ -169,8 +169,9 @@ class Baseline:
         self._fastest = np.maximum(self._fastest, _size(step))
 
     def note_pose(self, pose: Pose2) -> None:
-        """Set the estimated map_T_base; it becomes the pose of the earlier scan, unless the wheels have moved
-        since that scan.
+        """Set the pose of the earlier scan to an estimated map_T_base.
+
+        Nothing changes if the wheels have moved since that scan.
         """
         if self._way == 0.0 and self._sideways == 0.0:
             self._then = pose

@@ -60,7 +60,7 @@ class KeyframeGraph:
 
     @property
     def loop_edges(self) -> list[Edge]:
-        """The accepted loop closures as edges."""
+        """Accepted loop closures as edges of the graph, each the measured relative pose of two keyframes."""
         return [_edge(loop) for loop in self.accepted]
 
     @property

@@ -47,7 +47,8 @@ class MapComparison(NamedTuple):
         share of missing walls.
 
         A wall cell is on both maps if its distance from a wall of the other map is at most `SAME_WALL_M`.
-        Otherwise it is missing, unless the other map does not know the place.
+        Otherwise it is missing. Wall cells at places that the other map does not know are not counted. If no
+        wall cell is on both maps, median and quantile are NaN, and the share is 1.
 
         Args:
             distances: (n,) distance of each wall cell of one map to the nearest wall cell of the other, in
@@ -70,13 +71,12 @@ def wall_points(grid: GridMap) -> FloatArray:
 
 
 def compare_maps(first: GridMap, second: GridMap, alignment: Pose2 | None = None) -> MapComparison:
-    """Compare the walls of two maps; the second map is moved to where it fits best, unless the alignment is
-    given.
+    """Compare the walls of two maps, after moving the second map to where it fits the first one best.
 
     Args:
         first: a map with walls.
         second: another map.
-        alignment: first_T_second; sought if None.
+        alignment: first_T_second, by which the second map is moved; None: the best one is searched.
     """
     one, other = wall_points(first), wall_points(second)
     pose = _align(first, one, other) if alignment is None else alignment

@@ -58,7 +58,7 @@ def optimize(poses: FloatArray, edges: list[Edge], robust: bool = True) -> Float
     """Return the most likely poses (n, 3) of a graph's nodes, given its edges; the first pose stays
     unchanged.
 
-    They have the frame and units of `poses`.
+    The result has the frame and units of `poses`.
 
     Args:
         poses: (n, 3) x, y in [m], heading in [rad], of each node in the graph's frame, near the solution.

@@ -63,7 +63,7 @@ class Keyframe(NamedTuple):
 def keyframe_rows(log: ScanLog) -> list[int]:
     """Return the log's rows that are keyframes of a map, the first and last included.
 
-    They are at least `KEYFRAME_TRAVEL_M` or `KEYFRAME_TURN_RAD` of odometry apart.
+    Successive keyframes are at least `KEYFRAME_TRAVEL_M` or `KEYFRAME_TURN_RAD` of odometry apart.
     """
     rows, last = [0], Pose2(*log.odometry[0])
     for row, pose in enumerate(map(Pose2._make, log.odometry.tolist())):

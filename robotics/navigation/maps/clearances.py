@@ -25,7 +25,8 @@ class Nearest(NamedTuple):
 class Clearances:
     """Distances of points on a map to the nearest solid cell; each solid cell is a solid square.
 
-    Beyond the map's border nothing is solid, unless `walled` is True: then all of the ground there is solid.
+    Beyond the map's border nothing is solid by default. If `walled` is True, all of the ground there is
+    solid.
     """
 
     def __init__(self, grid: GridMap, solid: BoolArray | None = None, walled: bool = False) -> None:
@@ -63,7 +64,7 @@ class Clearances:
     def at(self, points: FloatArray) -> FloatArray:
         """Return the distance (n,) of points to the nearest solid cell, in [m].
 
-        It is 0 inside a solid cell, and infinite if the map is empty.
+        The distance is 0 inside a solid cell, and infinite if no cell of the map is solid.
 
         Args:
             points: (n, 2) on the map, in [m].

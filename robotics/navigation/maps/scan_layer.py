@@ -50,7 +50,7 @@ class ScanLayer:
         return self._grid.to_point(np.argwhere(self.occupied))
 
     def merged(self) -> GridMap:
-        """Return the map, in which the cells of sensed obstacles are occupied, too."""
+        """Return a copy of the map, in which the cells of sensed obstacles are occupied, too."""
         occupied = self.occupied
         return self._grid._replace(
             occupied=self._grid.occupied | occupied, unknown=self._grid.unknown & ~occupied

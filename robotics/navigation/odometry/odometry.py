@@ -115,8 +115,9 @@ class Odometry:
     def displacement(self) -> Belief:
         """Motion since `set_origin` in x, y [m] and heading [rad], in the frame that the base had then.
 
-        It has a mean (3,) and a covariance (3, 3). Later corrections do not change the pose at the origin, to
-        which the robot may have to drive back. An error of the wheel radius cancels on a drive out and back.
+        The result has a mean (3,) and a covariance (3, 3). Later corrections do not change the pose at the
+        origin, to which the robot may have to drive back. An error of the wheel radius cancels on a drive out
+        and back.
         """
         heading = self._origin.belief.mean[2] + wrap(float(self.pose.theta - self._origin.belief.mean[2]))
         now = Belief(np.array([self.pose.x, self.pose.y, heading]), self._state[:3, :3])

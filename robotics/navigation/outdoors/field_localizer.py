@@ -83,15 +83,15 @@ class FieldLocalizer(ABC):
     def meanwhile(self) -> Belief | None:
         """Pose estimated from fixes while the heading is still unknown; None once the heading is known.
 
-        It has a mean (3,) and a covariance (3, 3) of x, y in the field's frame in [m] and heading in [rad].
-        Until the heading is known, `pose` follows wheels and gyros only, so that the base can return to its
-        start.
+        The result has a mean (3,) and a covariance (3, 3) of x, y in the field's frame in [m] and heading in
+        [rad]. Until the heading is known, `pose` follows wheels and gyros only, so that the base can return
+        to its start.
         """
         return None
 
     @property
     def inconsistency(self) -> Inconsistency | None:
-        """Inconsistency of the last minute's fixes with the filter's covariance; None if there is none."""
+        """Evidence that the last minute's fixes contradict the filter's covariance; None if they agree."""
         return None
 
     @property

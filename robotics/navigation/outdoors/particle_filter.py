@@ -23,7 +23,7 @@ from .lost_track import LostTrack
 class ParticleErrors(NamedTuple):
     """Standard deviations of motion, start pose and fixes that the particle filter assumes.
 
-    Ohki et al. (2012) state only `gps`.
+    Ohki et al. (2012) state only the error of fixes, `gps`.
     """
 
     forward: float = 0.10

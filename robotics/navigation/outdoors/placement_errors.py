@@ -32,7 +32,7 @@ def aligned_spread(errors: FloatArray, targets: FloatArray) -> FloatArray:
 def nees(errors: FloatArray, covariances: FloatArray) -> FloatArray:
     """Return the squared errors (n,) normalized by their covariances, without unit.
 
-    They are 2 on average if the covariances are right.
+    The results are 2 on average if the covariances are right.
 
     Args:
         errors: (n, 2) errors in x and y of any one frame, in [m].

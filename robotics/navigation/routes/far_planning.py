@@ -58,9 +58,9 @@ class FarPlanner:
     ) -> Generator[None, None, FloatArray | None]:
         """Return the points (n, 2) of a route on the map, in [m]; None if none was found.
 
-        It is a generator: each step takes about as long as building a Voronoi graph. The graph has larger
-        cells than the map. The first part of the route leads from the start to the nearest free one of these
-        cells; it is not checked for obstacles.
+        The method is a generator: each step takes about as long as building a Voronoi graph. The graph has
+        larger cells than the map. The first part of the route leads from the start to the nearest free one of
+        these cells; it is not checked for obstacles.
 
         Args:
             start: map_T_base.

@@ -88,7 +88,7 @@ class Way(NamedTuple):
 def narrowest_room(grid: GridMap) -> float:
     """Return the least distance to obstacles, in [m], that a planned route may leave a polygonal footprint.
 
-    It is negative: a small overlap with the squares of blocked cells is allowed.
+    The distance is negative: a small overlap with the squares of blocked cells is allowed.
     """
     return -POLYGON_OVERLAP_CELLS * grid.resolution
 
@@ -136,7 +136,7 @@ class Ways:
             goal: position on the map, in [m]; a heading is ignored.
             front: (2, 2) ends of a straight front on the map, in [m], in front of which the robot has to
                 stop. The front replaces the obstacles of the map there; the robot may come nearer to the
-                front than to other obstacles.
+                front than to other obstacles. None: the goal has no front.
         """
         here = (goal[0], goal[1])
         if front is None:
@@ -177,7 +177,7 @@ class Ways:
         """Return the price of a path on this map: its length in [m], multiplied in each cell by a factor that
         is larger the nearer obstacles are.
 
-        It is infinite if the robot fits nowhere on the map.
+        The price is infinite if the robot fits nowhere on the map.
 
         Args:
             points: (n, 2) on the map, in [m], each at most a few cells from the next.

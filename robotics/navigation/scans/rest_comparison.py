@@ -40,8 +40,8 @@ def share_moved(
 ) -> float | None:
     """Return which share of a small assumed motion has taken place, by the ranges of the same beams.
 
-    It is about 0 without the motion, and about 1 with it; None if the beams' ranges depend on the motion too
-    little to measure it, given `sigma`.
+    The share is about 0 without the motion, and about 1 with it; None if the beams' ranges depend on the
+    motion too little to measure it, given `sigma`.
 
     Args:
         then: (n, 2) ends of the beams before the motion, in the base frame, in [m]; NaN without an echo.

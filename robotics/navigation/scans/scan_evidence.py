@@ -37,8 +37,10 @@ MIN_SAME_DIRECTION_COSINE = 0.7  # cosine of two directions that are about the s
 
 
 class ScanEvidence(NamedTuple):
-    """Information that a scan gives about the position along the direction in which the scan determines it
-    least.
+    """Information of a scan about the position of the base in the scan's worst direction.
+
+    The worst direction is the one in which the scan determines the position least, such as that along a
+    corridor.
     """
 
     direction: FloatArray

@@ -73,9 +73,9 @@ def yielding_speed(ahead: FloatArray, speed: float, people: People, radius: floa
     """Return the speed along a route at which the robot keeps a distance to people, in [m/s]; 0 means to
     wait.
 
-    It is the highest speed that keeps the distance. If there is none, it is the highest of the speeds that
-    keep about the largest distance. If the robot would touch a person at every speed, it is 0, unless motion
-    leads away from the person.
+    The result is the highest speed that keeps the distance `keep`. If no speed keeps it, the result is the
+    highest of the speeds that keep about the largest distance. If the robot would touch a person at every
+    speed, the result is 0; only motion that leads away from the person is still allowed.
 
     Args:
         ahead: (n, 2) route from the robot on, on the map, in [m].

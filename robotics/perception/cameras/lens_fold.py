@@ -22,8 +22,8 @@ def fold_radius(distortion: FloatArray, lens: LensKind) -> float:
     """Return the distance from the optical axis, of a ray (x/z, y/z), up to which a lens model is valid.
 
     Up to this distance, rays farther from the axis are farther from it in the picture too; beyond it, the
-    model folds back. It has no unit, and is infinite if the model never folds back. Only the radial terms are
-    considered.
+    model folds back. The distance has no unit, and is infinite if the model never folds back. Only the radial
+    terms are considered.
 
     Args:
         distortion: coefficients without unit, (4,), (5,) or (8,) for `brown`: k1, k2, p1, p2, k3, k4, k5, k6;

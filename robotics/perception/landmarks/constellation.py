@@ -70,7 +70,7 @@ class BasePrior(NamedTuple):
 
 
 class MarkAssignment(NamedTuple):
-    """Assignment of seen landmarks to landmarks of the plan, under one pose of the base, with its
+    """Assignment of seen landmarks to landmarks of the plan, for one assumed pose of the base, with
     likelihood.
     """
 
@@ -81,7 +81,9 @@ class MarkAssignment(NamedTuple):
     """Log-likelihood of the assignment, up to a constant for all explanations of the same sightings."""
 
     def rivals(self, other: MarkAssignment) -> bool:
-        """Return True if another assignment gives a base pose that differs by more than 20 mm or 0.05 rad."""
+        """Return True if the base pose of another assignment differs from this one's by more than 20 mm or
+        0.05 rad.
+        """
         one, two = self.planned_T_base, other.planned_T_base
         return one.distance(two) > APART or one.turn(two) > APART_TURN
 

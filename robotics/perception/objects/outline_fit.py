@@ -24,7 +24,9 @@ OUTLINE_SAMPLE_COUNT = 72  # along the outline, for its coverage
 
 
 class OutlineFit(NamedTuple):
-    """Pose of an outline in the frame of the points to which it was fitted."""
+    """Pose of a rectangle or circle that was fitted to points, in the frame of the points, with its
+    accuracy.
+    """
 
     x: float
     """Position of the outline's middle along x, in [m]."""

@@ -43,6 +43,7 @@ def is_plain(share: float | None) -> bool:
     edges.
 
     Args:
-        share: result of `edge_share`; at most `MAX_EDGE_SHARE` for a plain part.
+        share: result of `edge_share`, at most `MAX_EDGE_SHARE` for a plain part; None (not completely
+            visible) gives False.
     """
     return share is not None and share <= MAX_EDGE_SHARE

@@ -26,9 +26,7 @@ BORDER_CELLS = 2.5  # from a point at the picture's edge within which an outline
 
 
 class PointCluster(NamedTuple):
-    """Points of one thing on a surface, in the surface's frame, with x and y along its sides and z up from
-    it.
-    """
+    """Points of one thing on a surface, in the frame of the surface: x and y along its sides, z upwards."""
 
     points: FloatArray
     """(n, 3) in [m]."""
