@@ -102,8 +102,9 @@ class LazyGroup(TyperGroup):
         return list(all_commands())
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return the name of the called command, the command, and the remaining arguments; some names have
-        two words.
+        """Return the name of the called command, the command, and the remaining arguments.
+
+        A name such as `campaign compare` has two words.
         """
         if (two := " ".join(args[:2])) in OWN_COMMANDS:
             return two, self.get_command(ctx, two), args[2:]

@@ -17,8 +17,9 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def build_rig() -> Iterator[Callable[..., Rig]]:
-    """Provide the function `handcart.evaluation.trials.rig.build_rig` as a fixture that closes its rigs after
-    the test.
+    """Provide a function as a fixture that builds rigs: test set-ups of a robot in a world, without a task.
+
+    It is `handcart.evaluation.trials.rig.build_rig`; the rigs are closed after the test.
 
     def test_there_and_back(build_rig):
         rig = build_rig(seed=3)

@@ -65,9 +65,9 @@ class CanBackend(Backend):
 
         Raises:
             NoDrives: the robot's file has no section `can`.
-            TooManyCounts: a possible command to an axis doesn't fit into the drives' 32 bits.
-            NoInterface: the interface can't be opened.
-            NoSensor: a sensor that is not on the bus can't be opened, or delivers nothing.
+            TooManyCounts: a possible command to an axis does not fit into the drives' 32 bits.
+            NoInterface: the interface cannot be opened.
+            NoSensor: a sensor that is not on the bus cannot be opened, or delivers nothing.
             CanFault: a drive is missing, is of a wrong kind, or is not set as it should be.
         """
         if robot.can is None:
@@ -233,8 +233,10 @@ class CanBackend(Backend):
             self.axes.sync()
 
     def stop(self) -> None:
-        """Stop all motion; arm and gripper hold their positions. Raise `BusFault` if the CAN interface
-        fails.
+        """Stop all motion; arm and gripper hold their positions.
+
+        Raises:
+            CanFault: a command could not be sent; all axes are then stopped for good.
         """
         self.epoch += 1
         if self._fault is not None or not self._enabled or self._closed:

@@ -32,7 +32,7 @@ class LiveSensor(ABC):
         self.rejected = 0
         """Number of dropped readings: damaged, not finite, of another size, out of order."""
         self.trouble = ""
-        """Reason why the sensor can't be read any more; "" while it can."""
+        """Reason why the sensor cannot be read any more; "" while it can."""
         self.doubt = ""
         """Reason why arriving readings are not used just now; "" while they are."""
 

@@ -1,8 +1,8 @@
 """Errors of the sensors of real robots.
 
-HandcartError ├── InputError │   └── NoSensor        it can't be opened, or differs from the robot's file
+HandcartError ├── InputError │   └── NoSensor        it cannot be opened, or differs from the robot's file
 └── RobotFault
-    └── StaleSensor     its last reading is too old, or it can't be read any more
+    └── StaleSensor     its last reading is too old, or it cannot be read any more
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from handcart.files.errors import InputError
 
 
 class NoSensor(InputError):
-    """Error: a sensor can't be opened, sends no readings, or differs from its section in the robot's file."""
+    """Error: a sensor cannot be opened, sends no readings, or differs from its part of the robot's file."""
 
 
 class StaleSensor(RobotFault):

@@ -138,7 +138,7 @@ def _after(task: Task, action: Action, use: _Use, held: Held) -> Held:
 
 
 def _unmet(use: _Use, held: Held) -> str:
-    """Return why an action can't start, in words; empty if it can."""
+    """Return why an action cannot start, in words; empty if it can."""
     needed = use.use.before
     if needed is Hand.ANY or held.hand is Hand.ANY:
         return ""
@@ -151,7 +151,7 @@ def _unmet(use: _Use, held: Held) -> str:
 
 
 def _denied(task: Task, action: Action, use: _Use) -> str:
-    """Return how an action's effect on the hand contradicts the facts of its target; empty if it doesn't."""
+    """Return how an action's effect on the hand contradicts the facts of its target; empty if it does not."""
     hand, _, said = _by_facts(task, action.target)
     after = use.use.after
     if after in (Hand.EMPTY, Hand.FULL) and hand is not Hand.ANY and hand is not after:

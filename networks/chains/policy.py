@@ -56,7 +56,7 @@ class Policy:
     """False if states that a run may reach are missing."""
 
     def goal(self, state: State) -> bool:
-        """Return whether a state's situation is the goal of the network."""
+        """Return whether a state is at the goal: its situation is the goal of the network."""
         return state.situation == self.network.goal
 
 

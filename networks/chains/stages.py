@@ -14,8 +14,8 @@ from .stage import Stage
 
 
 def stages(network: ActionNetwork) -> list[Stage]:
-    """Return the stages of a network, in the order in which runs pass them; each successful run passes each
-    stage exactly once.
+    """Return the stages of a network, which are parts that each successful run passes exactly once, in the
+    order in which runs pass them.
     """
     ways = ways_of(network)
     above = dict(nx.immediate_dominators(ways, network.start))
@@ -29,7 +29,7 @@ def stages(network: ActionNetwork) -> list[Stage]:
 
 
 def _chain(above: Mapping[str, str], start: str, goal: str) -> list[str]:
-    """Return the situations that dominate the goal, from the start; the start alone if it isn't reached."""
+    """Return the situations that dominate the goal, from the start; the start alone if it is not reached."""
     if goal not in above:
         return [start]
     chain = [goal]
@@ -65,7 +65,7 @@ def _open(chain: Sequence[str], steps: Sequence[tuple[int, int]]) -> list[int]:
 
 
 def _shared(network: ActionNetwork, level: Mapping[str, int]) -> Iterator[tuple[int, int]]:
-    """Yield a step back for each counter of Fails that several levels share: these can't be cut apart."""
+    """Yield a step back for each counter of Fails that several levels share: these cannot be cut apart."""
     for actions in network.shared.values():
         if len(actions) > 1:
             levels = [level[action.source] for action in actions if action.source in level]

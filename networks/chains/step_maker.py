@@ -65,8 +65,8 @@ class Step(NamedTuple):
 
 
 class StepMaker:
-    """Maker of the decisions in single states of a network by the rule, which takes the cheapest plan to the
-    goal.
+    """Maker of decisions by the rule, which takes the cheapest plan to the goal: for a state, it finds the
+    next action.
     """
 
     def __init__(

@@ -102,8 +102,9 @@ class Supervision:
         """Requests that were taken and not applied, because their action was over, in words."""
 
     def ask(self, request: Request, number: int | None = None) -> str:
-        """Accept an operator's request, which is followed in the next control period; safe in a signal
-        handler.
+        """Accept or reject an operator's request, which is followed in the next control period if accepted.
+
+        The method may be called in a signal handler.
 
         Args:
             request: the request. A stop is always accepted, and precedes all other requests.
@@ -125,7 +126,7 @@ class Supervision:
         return ""
 
     def _misaddressed(self, request: Request, number: int | None) -> str:
-        """Return why a request can't be meant for what is done now; empty if it can."""
+        """Return why a request cannot be meant for what is done now; empty if it can."""
         state, running = self._life.state, self.running
         if state is RunState.ENDED:
             return "the run is over; allowed: while it runs"

@@ -24,7 +24,7 @@ GOAL_PRICE_S = 1e10
 
 
 class BestPolicy:
-    """Decisions with the least expected cost, or with the largest probability of the goal.
+    """Policy with the least expected cost, or with the largest probability of the goal.
 
     The decision in a state is computed at its first use, and then kept.
     """

@@ -31,7 +31,7 @@ class DrawnAction(NamedTuple):
 
 
 class PricedRow(NamedTuple):
-    """Cost and successors of one state of a policy, for many draws of the outcome probabilities."""
+    """Cost and successors of one state of a policy, each for many draws of the outcome probabilities."""
 
     cost: FloatArray
     """(draws,) cost of its decision, with the prices of ends that follow at once, in [s]."""

@@ -21,8 +21,8 @@ _Ending = tuple[float, int, bool]
 
 
 class Following(NamedTuple):
-    """Actions (options) that can be started in given states of a network, and transitions to their successor
-    states.
+    """Actions (options) that can be started in given states, and the transitions from each option to the
+    states that may follow.
     """
 
     state: IntArray

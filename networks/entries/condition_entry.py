@@ -77,7 +77,7 @@ class ConditionEntry(TaskEntry):
 
     @property
     def source(self) -> str:
-        """Conditions under which the action can be done, as text."""
+        """Conditions under which the action can be started, as text."""
         return facts_in_words(self.condition) or "anywhere"
 
     @property

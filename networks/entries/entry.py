@@ -34,9 +34,7 @@ class AttemptsEntry(FileModel):
 
 
 class EndingChance(FileModel):
-    """Keys in a task file for one of several results with which an action can succeed, with its
-    probability.
-    """
+    """Keys in a task file for one of several results of a Success, with the result's probability."""
 
     p: Probability | None = None
     """Probability that an attempt ends so."""

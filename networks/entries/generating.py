@@ -30,7 +30,9 @@ class NotGenerated(ValueError):
 
 
 class Generated(NamedTuple):
-    """A network that was generated from conditions, with its goal and the facts of its situations."""
+    """A network that was generated from conditions, with its goal, the facts of its situations, and further
+    goals.
+    """
 
     copies: Copies
     facts: Mapping[str, Mapping[str, Fact]]

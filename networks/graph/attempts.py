@@ -11,8 +11,8 @@ MAX_ATTEMPTS = 20
 class Attempts(NamedTuple):
     """Limit on the Fails of an action, or of several actions together, after which they are excluded.
 
-    A renewal sets the Fails back to 0. A run's count holds Fails and renewals so far in one number, which is
-    `renewals * width + fails`.
+    A renewal, after a Success of certain other actions, sets the number of Fails back to 0. A run's count
+    holds Fails and renewals so far in one number, which is `renewals * width + fails`.
     """
 
     limit: int = 3

@@ -301,11 +301,11 @@ class ActionNetwork:
         return {action.index: tuple(counters) for action, counters in named if counters}
 
     def bound(self) -> int:
-        """Return the largest number of actions that any run can start, whatever fails: (A + 1)(V - 1) + A.
+        """Return an upper bound of the number of actions that any run starts: (A + 1)(V - 1) + A.
 
-        V is the number of situations, A that of the attempts of all actions together. Between two counted
-        attempts a run visits no situation twice. If a run may go in circles, the bound is `MAX_ROUNDS` times
-        as large, and the run is ended there.
+        V is the number of situations, A that of all attempts with renewals. Between two counted attempts a
+        run visits no situation twice. If a run may go in circles, has interrupts, or has another policy than
+        the rule, the bound is `MAX_ROUNDS` times as large, and the run is ended there.
         """
         counters = (actions[0] for actions in self.shared.values())
         attempts = sum(counter.allowance.most * (1 + counter.renewals) for counter in counters)

@@ -276,7 +276,8 @@ class PlanSearch:
         return Segment((*way, last), last.target, renews=True)
 
     def renewing(self, fails: Mapping[int, int]) -> dict[int, dict[int, int]]:
-        """Return the actions whose Success gives used-up attempts back.
+        """Return the actions whose Success makes excluded actions possible again, because it resets their
+        counts of Fails.
 
         Args:
             fails: counts of Fails and renewals (`Attempts`), by the actions' `counter`.
@@ -343,7 +344,8 @@ class PlanSearch:
 
 
 def hopes_of(action: Action) -> list[str]:
-    """Return the situations to which Fails and further results of an action may lead, without its `target`.
+    """Return the situations to which an action may lead otherwise than by its usual Success (`target`): by
+    Fails or by further results.
 
     Situations that are reached with probability 0 are left out.
     """

@@ -105,7 +105,7 @@ class RunDecisions:
 
     @property
     def planned(self) -> bool:
-        """True if actions of the last plan have not been started yet; they stay the best route while nothing
+        """True if the last plan has actions that were not started yet; they stay the best route while nothing
         fails.
         """
         return bool(self._ahead)

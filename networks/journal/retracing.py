@@ -33,7 +33,9 @@ class NeedsOperator(HandcartError):
 
 @dataclass
 class RunPosition:
-    """State of a run after the records of its journal, from which the run can be resumed."""
+    """State of a run after the records of its journal (situation, counts of Fails, open records), from which
+    it can be resumed.
+    """
 
     route: RunDecisions
     started: int = 0
@@ -91,7 +93,7 @@ def standing(
     records: Sequence[Record],
     is_of: Callable[[Record, ActionNetwork], bool] = has_fingerprint,
 ) -> RunPosition:
-    """Return the position of a run in its network after all records of its journal.
+    """Return where a run is in its network, and what it has tried, after all records of its journal.
 
     Args:
         network: the task's network.
@@ -99,7 +101,7 @@ def standing(
         is_of: function that returns whether a journal's first record belongs to a network.
 
     Raises:
-        NeedsOperator: the journal is of another network, or doesn't fit this one.
+        NeedsOperator: the journal is of another network, or does not fit this one.
     """
     if not records or not is_of(records[0], network):
         raise NeedsOperator("the task is not the one that was run: its network is another one")
@@ -145,7 +147,7 @@ def _follow(found: RunPosition, record: Record) -> None:
 
 
 def _check(found: RunPosition, record: Record) -> None:
-    """Raise `ValueError` for a record that can't follow those before it."""
+    """Raise `ValueError` for a record that cannot follow those before it."""
     kind, route = record["kind"], found.route
     if "situation" in record and record["situation"] not in (None, *route.network.situations):
         raise ValueError(f"unknown situation {record['situation']!r}")

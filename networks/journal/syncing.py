@@ -16,7 +16,7 @@ continues: the control loop never waits.
 
 
 class DiskSync:
-    """Writer of a file's data from the operating system to the disk, at once or in a thread.
+    """Writer of a file's data from the operating system's buffers to the disk, at once or in a thread.
 
     After a failure it never tries again (row D8 of faults.md).
     """
@@ -29,7 +29,9 @@ class DiskSync:
         self._failed = False
 
     def ask(self) -> None:
-        """Request a sync after a write; raises `OSError` if this or an earlier one failed."""
+        """Request that all data written so far are brought to the disk; raises `OSError` if this or an
+        earlier request failed.
+        """
         if self._pool is not None:
             self.done  # noqa: B018  raises what went wrong before
             self._latest = self._pool.submit(self._flush)

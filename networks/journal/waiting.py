@@ -48,7 +48,7 @@ def waiting(contents: JournalContents) -> dict[int, str]:
 
 
 def may_have_begun(records: Sequence[Record]) -> bool:
-    """Return whether the record that follows the given ones can be the START of an action."""
+    """Return whether the record that follows the given records of a journal can be the START of an action."""
     return records[-1]["kind"] != "END" and any(record["kind"] == "PLAN" for record in records)
 
 

@@ -33,7 +33,7 @@ class ControlLine:
 
     @property
     def over(self) -> bool:
-        """True if nothing is left to receive or to send."""
+        """True if nothing is left to receive from the client, or to send to it."""
         return not self._goes and ((self._ended and not self._came) or self._refused)
 
     @property

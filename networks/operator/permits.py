@@ -42,7 +42,7 @@ class Permits:
 
     @property
     def asks(self) -> Action | None:
-        """The action that waits for an answer; None if none does."""
+        """The action for whose start the operator is asked now; None if no action waits for an answer."""
         return self._asks
 
     @property

@@ -18,7 +18,7 @@ def note_address(folder: Path, address: str) -> None:
     """Write a page's address, with its token, into a file that only its owner can read.
 
     Raises:
-        OSError: the file can't be written.
+        OSError: the file cannot be written.
     """
     write_whole(folder / ADDRESS_FILE, address, private=True)
 

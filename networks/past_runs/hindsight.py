@@ -18,7 +18,7 @@ from .past_run import PastAction, PastRun, Record
 
 @dataclass(frozen=True)
 class OpenRoute:
-    """A route to the goal that a run could have taken at the time of a decision."""
+    """A route to the goal that a run could have taken when it made a certain decision."""
 
     actions: tuple[Action, ...]
     cost: float

@@ -16,7 +16,7 @@ UNCHAINED_KEYS = {"wall", "h", "p"}
 
 @dataclass(frozen=True)
 class ComparedAction:
-    """Action that two runs have in common, or that only one of them has."""
+    """Action that two compared runs have in common, or that only one of them has."""
 
     one: PastAction | None
     other: PastAction | None

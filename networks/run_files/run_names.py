@@ -67,7 +67,7 @@ def latest_run(runs: Path) -> Path:
 
 
 def list_runs(runs: Path) -> list[ListedRun]:
-    """Return the runs in a folder, the newest first; other entries are skipped."""
+    """Return the runs in a folder, the newest first; entries that are no runs are skipped."""
     if not runs.is_dir():
         return []
     found = (_listed(path) for path in runs.iterdir() if path.is_dir() and not path.is_symlink())

@@ -22,7 +22,7 @@ _KEYS = {"format", "after", "result", "time_s", "backend", "robot", "model"}
 
 
 class NotKeptError(HandcartError):
-    """Error, because a checkpoint can't be written. Exit status 5."""
+    """Error, because a checkpoint cannot be written. Exit status 5."""
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,13 @@ EVIDENCE_FOLDER, MAPS_FOLDER = "evidence", "maps"
 
 
 def stem(number: int, do: str, outcome: Outcome) -> str:
-    """Return the stem of the names of an action's evidence files, such as `003_SEARCH_Fail`."""
+    """Return the begin of the names of an action's evidence files, such as `003_SEARCH_Fail`.
+
+    Args:
+        number: number of the action in the run, from 1.
+        do: name of the action's primitive.
+        outcome: outcome of the action; a Success is not part of the name.
+    """
     ended = "" if isinstance(outcome, Success) else f"_{type(outcome).__name__}"
     return f"{number:03d}_{do}{ended}"
 

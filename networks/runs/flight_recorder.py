@@ -175,7 +175,7 @@ def load_readings(path: Path) -> Readings:
     """Load the sensor readings that the flight recorder of a run saved as arrays.
 
     Raises:
-        OSError, ValueError, zipfile.BadZipFile: the file can't be read, is of another format, or damaged.
+        OSError, ValueError, zipfile.BadZipFile: the file cannot be read, is of another format, or damaged.
     """
     columns = load_arrays(path)
     if "time_s" not in columns:

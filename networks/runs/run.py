@@ -53,7 +53,7 @@ class Executed(NamedTuple):
 
 
 class NotKept(HandcartError):
-    """Error of a run that has ended, but whose summary or telemetry can't be written."""
+    """Error of a run that has ended, but whose summary or telemetry cannot be written."""
 
     def __init__(self, run_dir: Path, end: RunEnd, error: OSError) -> None:
         ended = f"{end.outcome} in situation {end.situation}{': ' if end.reason else ''}{end.reason}"

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class SteadyMemory(RunObserver):
-    """Observer that restricts garbage collection to the time between actions.
+    """Observer of a run that restricts Python's garbage collection to the time between actions.
 
     With a million objects, a collection would stop the control loop for 20 ms. Objects that exist when a
     process begins its first run, mostly code, are excluded from all later collections.

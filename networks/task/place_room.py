@@ -103,7 +103,7 @@ class PlaceRooms:
 
     places: tuple[PlaceRoom, ...] = ()
     errors: tuple[Finding, ...] = ()
-    """Places that an action drives to and that can't be reached."""
+    """Places that an action drives to and that cannot be reached."""
     warnings: tuple[Finding, ...] = ()
 
 
@@ -151,7 +151,8 @@ def place_rooms(task: Task, robot: RobotFile, model: WorldModel, start: Pose2) -
         task: the task.
         robot: the robot's file.
         model: the robot's world model.
-        start: pose of the base at the start, on the map.
+        start: pose of the base at the start, on the map; if the task does not know it, routes begin at the
+            first place.
     """
     loaded = task.knowledge.places
     if loaded is None or task.path("knowledge", "map") is None or robot.drive.kind == "ackermann":

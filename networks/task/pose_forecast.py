@@ -26,10 +26,13 @@ USUAL_NEED = PoseNeed(ARRIVED_MM / 1e3, math.radians(ARRIVED_DEG))
 def pose_findings(
     task: Task, robot: RobotFile, model: WorldModel, rooms: Iterable[PlaceRoom]
 ) -> Iterator[Finding]:
-    """Yield warnings about places where localization by the lidar will be too uncertain.
+    """Yield warnings about places to which the robot drives and where localization by the lidar will be too
+    uncertain.
 
     There the map's walls do not determine the robot's pose well enough, or the lidar sees too few of them on
     the route to the place.
+
+    Nothing is yielded if the start is unknown, or if the robot does not localize itself by scans.
 
     Args:
         task: the task, which names places and map.

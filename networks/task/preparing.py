@@ -68,7 +68,7 @@ class Prepared:
 
 
 class UnknownSituation(InputError):
-    """Error: a run can't begin in a situation that the network lacks."""
+    """Error: a run cannot begin in a situation that the network lacks."""
 
 
 def beginning_at(network: ActionNetwork, situation: str) -> ActionNetwork:
@@ -190,7 +190,7 @@ class Checked(NamedTuple):
     places: tuple[PlaceRoom, ...]
     """Checks of each place of its map."""
     errors: tuple[Finding, ...]
-    """Places that an action drives to, and that can't be reached: a run is refused."""
+    """Places that an action drives to, and that cannot be reached: a run is refused."""
     computed: tuple[ComputedPlace, ...]
     """Places that no file has, because domains compute them for the robot."""
 

@@ -15,7 +15,7 @@ from .task_model import ActionEntry, Each, Repeat
 
 
 class NotRepeated(ValueError):
-    """Error of a repeated part that can't be copied for its elements, with the reason as message."""
+    """Error of a repeated part that cannot be copied for its elements, with the reason as message."""
 
     def __init__(self, message: str, part: KeyPath) -> None:
         super().__init__(message)

@@ -98,7 +98,9 @@ def with_route_costs(
     times: RouteTimes,
     add: Callable[[KeyPath, str], None],
 ) -> list[Action]:
-    """Return the actions, with the driving time of the route added to the cost of those with `route_from`.
+    """Return the actions, with the driving time to their place added to the costs of those with `route_from`.
+
+    This key of an action's entry names the fact that states from which place the base drives.
 
     Args:
         actions: the actions.

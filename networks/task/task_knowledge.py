@@ -39,7 +39,7 @@ class TaskKnowledge:
     is_start_known: bool = True
     """False if the task says that the start is unknown."""
     are_files_read: bool = True
-    """False if a file with places, or of a domain, is missing or its places can't be read."""
+    """False if a file with places, or of a domain, is missing or its places cannot be read."""
 
     def names(self) -> dict[str, Collection[object]]:
         """Return the names that may be values of actions' parameters, by kind, such as the names of all

@@ -63,7 +63,7 @@ class AskedCampaign:
 
         Raises:
             InputError: an argument is invalid, as the message states; nothing has moved.
-            TrialLogError: the folder's trials can't be read, or written.
+            TrialLogError: the folder's trials cannot be read, or written.
         """
         self._check()
         worlds = _worlds(self.generate) if self.generate else None
@@ -218,8 +218,8 @@ class OpenCampaign:
         """Run the missing trials until all are done or the claim `until` is decided; yield numbers of new
         trials.
 
-        Trials that are random walks through the network, without a robot, and need not be stored are counted
-        in batches of thousands; each of them can be repeated by its seed.
+        Trials without a robot are random walks through the network. If they are not stored and no claim is
+        tested, they are counted in batches of thousands; each of them can be repeated by its seed.
 
         Args:
             jobs: number of parallel processes; None: 1 for random walks, otherwise 2.

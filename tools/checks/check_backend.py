@@ -31,7 +31,7 @@ def build_in_empty_world(robot: RobotFile, backend: str) -> None:
     """Build a simulated backend with a robot on an empty floor, and close it.
 
     Raises:
-        InputError: the backend isn't a simulated one, or refuses the robot.
+        InputError: the backend is not a simulated one, or refuses the robot.
     """
     from handcart.backends.registry import backend_class, make_backend
 

@@ -57,7 +57,7 @@ def write_expanded(file: Path, draft: Path) -> Path:
 
     Raises:
         FileError: xacro rejects the file, or is not installed.
-        InputError: the URDF or the draft exists already, or can't be written there.
+        InputError: the URDF or the draft exists already, or cannot be written there.
     """
     from handcart.tools.terminal.writing import write_text
 

@@ -12,7 +12,7 @@ COLLECTION_THRESHOLDS = 200_000, 50, 1_000
 
 @contextmanager
 def few_collections() -> Iterator[None]:
-    """Make Python's garbage collections rare in this context, because each full one has to visit all objects
+    """Make Python's garbage collections rare in this context, because each full collection visits all objects
     in use.
     """
     before = gc.get_threshold()

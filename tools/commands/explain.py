@@ -34,7 +34,7 @@ def explain(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="one JSON object on stdout")] = False,
 ) -> None:
-    """Print why a run chose an action, why the action failed, and whether it left everything as it was.
+    """Print why a run chose an action, why the action failed, and whether it restored the state before it.
 
     If the action failed, each thing that it moved is listed with the distance from its place before the
     action.

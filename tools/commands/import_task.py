@@ -20,7 +20,7 @@ def import_task(
 ) -> None:
     """Convert a behaviour tree, a state machine or a planning model into a task's file.
 
-    Parts that a task can't express are reported.
+    Parts that a task cannot express are reported.
     """
     from handcart.evaluation.interchange.importing import import_file, primitives_in
     from handcart.evaluation.interchange.task_draft import GUESSED_COST_S, yaml_text

@@ -97,7 +97,8 @@ def ack(
     run: RunFolder,
     record: Annotated[int, typer.Argument(help="the record that waits, as `run` or `resume` shows it")],
 ) -> None:
-    """Acknowledge that, after a GiveUp or an interruption, everything is again as it was before the action.
+    """Acknowledge that, after a GiveUp or an interruption, everything is again in the state before the
+    action.
 
     The run can then be resumed.
     """

@@ -34,7 +34,7 @@ class Connections:
         """Prepare without a server; `has_token` returns whether a request contains the token."""
         self._has_token = has_token
         self.of: web.Server | None = None
-        """The application's server; None: it isn't set up."""
+        """The application's server; None: it is not set up."""
         self._silent: set[asyncio.BaseProtocol] = set()
         self._known: set[asyncio.BaseProtocol] = set()
 

@@ -40,7 +40,7 @@ _REQUIRED = re.compile(
 
 
 class NoLibrary(InputError):
-    """Error: a library that handcart needs is missing, too old, or can't be imported.
+    """Error: a library that handcart needs is missing, too old, or cannot be imported.
 
     The exit status is 2 (row K13 of docs/reference/faults.md).
     """

@@ -15,7 +15,7 @@ Look = Callable[[Bench], object]
 
 
 class BenchServer:
-    """Real-time server of a bench to a program in another process.
+    """Server that runs a bench (simulated CAN drives) in real time for a program in another process.
 
     Each received SYNC advances the simulated drives by one control period. If no SYNCs arrive, they advance
     with the wall clock, so that they notice a silent master as real drives do.

@@ -15,7 +15,7 @@ from .bench import Act, Bench
 
 
 class UnknownFault(InputError):
-    """Error: the bench has no fault of a requested name."""
+    """Error: a bench (simulated drives on a CAN bus) has no fault with the requested name."""
 
     def __init__(self, name: str) -> None:
         super().__init__(f"unknown fault {name!r}{suggest(name, INJECTED_FAULTS)}")
@@ -44,10 +44,10 @@ def injected_fault(name: str) -> InjectedFault:
 
 
 def inject(bench: Bench, name: str, at_s: float = 0.0, node: int | None = None) -> None:
-    """Inject a fault on a bench.
+    """Plan a fault of a simulated drive, or of the bus, on a bench.
 
     Args:
-        bench: the bench.
+        bench: the bench, which has the simulated drives and the bus.
         name: one of `INJECTED_FAULTS`.
         at_s: time of the bench at which the fault begins, in [s]; if it is past, the fault begins in the next
             period.

@@ -44,7 +44,7 @@ class CanLine(canopen.Network):
         self._heard: list[Heard] = [] if heard is None else [heard]
         self._refused = 0
         self.malformed = 0
-        """Number of frames that no CANopen node sends, or that couldn't be decoded."""
+        """Number of frames that no CANopen node sends, or that could not be decoded."""
         self.last_malformed = ""
         """The last of these frames, as text; empty before the first."""
 

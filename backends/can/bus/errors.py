@@ -3,18 +3,18 @@
     HandcartError
     ├── InputError
     │   ├── NoDrives            the robot's file has no section `can`, or not all of it
-    │   ├── TooManyCounts       a possible set-point of an axis doesn't fit into 32 bits
-    │   ├── NoInterface         the CAN interface can't be opened
+    │   ├── TooManyCounts       a possible set-point of an axis does not fit into 32 bits
+    │   ├── NoInterface         the CAN interface cannot be opened
     │   └── ChannelTaken        another robot or bench is on the channel
     └── RobotFault
         └── CanFault            the robot is stopped, as far as the bus allows, and stays so
-            ├── BusFault            the interface doesn't send or receive
+            ├── BusFault            the interface does not send or receive
             │   ├── QueueFull           the interface has no room for frames to be sent
             │   └── ControllerFault     the CAN controller has gone off the bus, or is about to
-            ├── SilentDrive (TimeoutError)  a drive doesn't answer
+            ├── SilentDrive (TimeoutError)  a drive does not answer
             ├── LostAnswers         too many answers of a drive get lost
-            ├── DriveNotReady       a drive isn't in OPERATION ENABLED, or in another mode
-            ├── WrongDrive          a drive isn't what the robot's file needs
+            ├── DriveNotReady       a drive is not in OPERATION ENABLED, or in another mode
+            ├── WrongDrive          a drive is not what the robot's file needs
             ├── EncoderWraps        a drive's counts start over inside the travel of its axis
             ├── ReadBackDiffers     settings are not what was written
             ├── Emergency           a node reports a fault (EMCY)
@@ -22,8 +22,8 @@
             ├── TwoNodes            two nodes have one node ID
             ├── Stranger            another node commands the drives
             ├── Overloaded          the bus is too busy, or full of nonsense
-            ├── OffDemand           an axis doesn't follow its commands
-            ├── LateLoop            this program doesn't keep its periods
+            ├── OffDemand           an axis does not follow its commands
+            ├── LateLoop            this program does not keep its periods
             └── BrokenOff           something else ended a period before it was over
 
 After a `CanFault` a person has to look; the backend has to be built anew.

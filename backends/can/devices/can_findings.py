@@ -71,7 +71,7 @@ def _held(spec: CanSpec) -> Iterator[tuple[Place, str]]:
 
 
 def _load(robot: RobotFile, spec: CanSpec) -> Iterator[tuple[Place, str]]:
-    """Yield a finding if the bus can't carry its cyclic frames."""
+    """Yield a finding if the bus cannot carry its cyclic frames."""
     load = bus_load(spec, robot.period_s)
     if load.too_much:
         words = (

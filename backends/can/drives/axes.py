@@ -34,8 +34,8 @@ class Axes(Mapping[str, Axis]):
         """Plan the drives by a robot's file and its section `can`, without sending anything.
 
         Raises:
-            TooManyCounts: a possible command to an axis doesn't fit into 32 bits.
-            FileError: an EDS file is missing, or can't be read.
+            TooManyCounts: a possible command to an axis does not fit into 32 bits.
+            FileError: an EDS file is missing, or cannot be read.
         """
         self._spec, self._period = spec, robot.period_s
         self._axes = {
@@ -87,7 +87,7 @@ class Axes(Mapping[str, Axis]):
             beat: sends this program's heartbeat if it is due.
 
         Raises:
-            CanFault: a drive can't be enabled.
+            CanFault: a drive cannot be enabled.
         """
         enable(tuple(self.values()), simulated, beat)
         self._checks = [AxisCheck(axis) for axis in self.values()]

@@ -69,7 +69,7 @@ class Axis(canopen.RemoteNode):
             period: time between two SYNCs, in [s].
 
         Raises:
-            TooManyCounts: a possible command doesn't fit into 32 bits.
+            TooManyCounts: a possible command does not fit into 32 bits.
         """
         super().__init__(spec.node, dictionary)
         self.name = f"the {name} drive (node {spec.node})"
@@ -102,7 +102,7 @@ class Axis(canopen.RemoteNode):
         self.odd = 0
         """Number of impossible positions in a row."""
         self.ignored = 0
-        """Number of set-points in a row that the drive hasn't accepted."""
+        """Number of set-points in a row that the drive has not accepted."""
         self._reported = dict.fromkeys(
             (index for answer in self.layout.answers for index in answer.objects), 0
         )
@@ -128,7 +128,7 @@ class Axis(canopen.RemoteNode):
     # Single objects, at rest
 
     def read(self, index: int, subindex: int = 0) -> int:
-        """Return the value of an object of the drive; raise `SilentDrive` or `WrongDrive`."""
+        """Return an object's value; raise `SilentDrive` (no answer) or `WrongDrive` (it refuses)."""
         with self._asked_for(index):
             return int(self._object(index, subindex).raw)
 
@@ -167,7 +167,7 @@ class Axis(canopen.RemoteNode):
         self.network.send_message(0, bytes([_PREPARE, self.spec.node]))
 
     def save_pdos(self) -> None:
-        """Write the mapping of all used PDOs into the drive; raise `SilentDrive` or `WrongDrive`."""
+        """Map all used PDOs in the drive; raise `SilentDrive` (no answer) or `WrongDrive` (it refuses)."""
         for pdo in (*self._commands, *self._answers):
             with self._asked_for(pdo.com_record.od.index):
                 pdo.save() if pdo.com_record[1].writable else save_mapping(pdo)

@@ -17,6 +17,6 @@ def drive_dictionary(node: int, eds: Path = DRIVE_EDS) -> ObjectDictionary:
     """Return the objects of a drive by its EDS file (default: the objects of CiA 402 that are used here).
 
     Raises:
-        FileError: the file can't be read.
+        FileError: the file cannot be read.
     """
     return read_eds(eds, node)

@@ -40,7 +40,7 @@ def set_up(axes: Iterable[Axis], spec: CanSpec, period: float) -> None:
         period: time between two SYNCs [s].
 
     Raises:
-        SilentDrive: a drive doesn't answer.
+        SilentDrive: a drive does not answer.
         WrongDrive: a node is not a drive that the robot's file needs.
         EncoderWraps: a drive's counts start over inside the travel of its axis.
         ReadBackDiffers: settings read back differently; the error names all of them.
@@ -60,7 +60,7 @@ def set_up(axes: Iterable[Axis], spec: CanSpec, period: float) -> None:
 
 
 def look(axes: Iterable[Axis]) -> None:
-    """Read position, velocity and torque of each drive by SDO; raise `CanFault` if a drive can't be read."""
+    """Read position, velocity and torque of each drive by SDO; raise `CanFault` if a drive cannot be read."""
     for axis in axes:
         readings = [
             0 if value in axis.left_out else _known(axis, ObjectValue(value, 0, 0))
@@ -136,7 +136,7 @@ def _save_pdos(axis: Axis) -> None:
 
 
 def _read(axis: Axis, setting: ObjectValue) -> int | str:
-    """Return the value of an object, or the reason, as text, why it can't be read."""
+    """Return the value of an object, or the reason, as text, why it cannot be read."""
     try:
         return axis.read(setting.index, setting.subindex)
     except SdoAbortedError as abort:

@@ -25,7 +25,7 @@ class LineImu(LineSensor, Imu):
     KIND = "IMU"
 
     def __init__(self, source: LineSource, clock: Clock = time.monotonic) -> None:
-        """Open the sensor's port; raise `NoSensor` if it can't be opened."""
+        """Open the sensor's port; raise `NoSensor` if it cannot be opened."""
         super().__init__("the inertial unit", source, clock)
         self._mean = np.zeros(6)
 

@@ -24,7 +24,7 @@ class LinePort:
             baud: bits a second; ignored for sockets.
 
         Raises:
-            NoSensor: it can't be opened.
+            NoSensor: it cannot be opened.
         """
         try:
             self._port = serial.serial_for_url(port, baudrate=baud, timeout=0.0)

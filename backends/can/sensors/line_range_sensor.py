@@ -35,7 +35,7 @@ class LineRangeSensor(LineSensor, RangeSensor):
             clock: gives the time in [s].
 
         Raises:
-            NoSensor: the port can't be opened.
+            NoSensor: the port cannot be opened.
         """
         super().__init__("the range sensor", source, clock)
         self._spec = spec

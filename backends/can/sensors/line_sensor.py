@@ -25,7 +25,7 @@ class LineSensor(LiveSensor):
     """First word of the sensor's lines, such as `RANGE`."""
 
     def __init__(self, name: str, source: LineSource, clock: Clock = time.monotonic) -> None:
-        """Open the sensor's port; raise `NoSensor` if it can't be opened."""
+        """Open the sensor's port; raise `NoSensor` if it cannot be opened."""
         super().__init__(name, source.stale_ms / 1e3, clock)
         self._port = LinePort(name, source.port, source.baud)
         self._stamp: int | None = None

@@ -41,7 +41,7 @@ def open_sensors(robot: RobotFile, sensors: SensorsSpec, clock: Clock = time.mon
         clock: gives the time in [s].
 
     Raises:
-        NoSensor: a sensor can't be opened, or its own section is missing in the robot's file.
+        NoSensor: a sensor cannot be opened, or its own section is missing in the robot's file.
     """
     opened: list[LiveSensor] = []
     try:

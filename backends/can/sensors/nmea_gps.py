@@ -27,7 +27,7 @@ class NmeaGps(LiveSensor, Gps):
     """
 
     def __init__(self, source: GpsSource, clock: Clock = time.monotonic) -> None:
-        """Open the receiver's port; raise `NoSensor` if it can't be opened."""
+        """Open the receiver's port; raise `NoSensor` if it cannot be opened."""
         super().__init__("the satellite receiver", source.stale_ms / 1e3, clock)
         self._source = source
         self._port = LinePort(self.name, source.port, source.baud)

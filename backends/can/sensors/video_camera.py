@@ -36,7 +36,7 @@ class VideoCamera(LiveSensor, PlacedCamera):
             clock: gives the time in [s].
 
         Raises:
-            NoSensor: it can't be opened, or its pictures are of another size than the robot's file says.
+            NoSensor: it cannot be opened, or its pictures are of another size than the robot's file says.
         """
         super().__init__("the camera", source.stale_ms / 1e3, clock)
         self._known = mounted

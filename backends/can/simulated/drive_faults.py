@@ -28,7 +28,7 @@ class DriveFaults:
     jumps_in_turn: bool = False
     """True if the offset is applied every second time only."""
     wraps: int = 0
-    """Counts after which the drive's encoder starts over although its EDS doesn't say so; 0: never."""
+    """Counts after which the drive's encoder starts over although its EDS does not say so; 0: never."""
     drops: float = 0.0
     """Share of the drive's answers that get lost, 0 to 1."""
     short: bool = False

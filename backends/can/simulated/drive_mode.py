@@ -22,7 +22,7 @@ class Demand:
     """
 
     position: float = 0.0
-    """Position of the motor, in [counts]; homing doesn't change it."""
+    """Position of the motor, in [counts]; homing does not change it."""
     velocity: float = 0.0
     """Velocity of the motor, in [counts/s]."""
     home: float = 0.0

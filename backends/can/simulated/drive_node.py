@@ -68,7 +68,7 @@ class DriveNode(canopen.LocalNode):
         self.wrong = DriveFaults()
         """Faults of the drive."""
         self.position = 0.0
-        """True position of the motor, in [counts]; homing doesn't change it."""
+        """True position of the motor, in [counts]; homing does not change it."""
         self.torque = 0
         """Torque of the motor, in thousandths of the rated torque."""
         self.driven = 0.0

@@ -9,7 +9,7 @@ from canopen.objectdictionary import ObjectDictionary, ODVariable
 from handcart.backends.can.drives.drive_dictionary import drive_dictionary
 
 _OWN: Mapping[int, int] = {0x6085: 2_000_000, 0x607F: 2**32 - 1}
-"""Fixed objects that can't be written: braking in counts/s², and no limit of the speed."""
+"""Fixed objects that cannot be written: braking in counts/s², and no limit of the speed."""
 
 
 class DriveObjects:
