@@ -64,7 +64,9 @@ class Scan(_Beams):
         return self.base_T_sensor.apply(points)
 
     def blind(self) -> BoolArray:
-        """Return a mask (n,): True for beams that show neither an obstacle nor free ground."""
+        """Return a mask (n,), True for beams that show neither an obstacle nor free ground (too close or
+        invalid).
+        """
         return self.validity >= _TOO_CLOSE
 
     def rep117(self) -> FloatArray:

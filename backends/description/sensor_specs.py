@@ -47,8 +47,8 @@ class OdometrySpec(FileModel):
 
     @property
     def sideways_errors(self) -> SidewaysErrors:
-        """Sigmas of the errors of sideways travel, with scale and slip as ratios of the travel, and turn of
-        the base in [rad/m].
+        """Sigmas of the errors of sideways travel: scale and slip as ratios of the travel, and the base's
+        turn in [rad] per metre of travel.
         """
         return SidewaysErrors(
             self.sideways_percent / 100,

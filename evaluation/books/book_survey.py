@@ -55,7 +55,7 @@ class BookSurvey(Survey):
 
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
-        """Return whether this evaluation applies to a run, which needs shelves or has to return books.
+        """Return whether this evaluation applies to a run: it has shelves, or has to return books.
 
         If the run has shelves but returns no books, only the errors of the base's stops in front of shelves
         are measured.

@@ -91,7 +91,7 @@ class Localization(ABC):
 
     @property
     def is_located(self) -> bool:
-        """True if `pose` is on the map; False if it is in a local frame, because the start is unknown."""
+        """True if `pose` is on the task's map; False if it is unknown there and refers to a local map."""
         return self.local_map is None
 
     @property

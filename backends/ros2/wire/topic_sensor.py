@@ -19,10 +19,10 @@ StampClock = Callable[[], float]
 class TopicSensor(LiveSensor):
     """Base class of sensors whose readings are messages of a ROS topic, processed once a period.
 
-    A message is dropped if its coordinate frame is not the expected one, if it contains numbers that are not
-    finite, or or if its stamp differs from the present time by more than the topic's `stale_ms` in the
-    robot's file, or is not later than the stamp before it. If no valid message follows, the `StaleSensor`
-    error contains the reason.
+    A message is dropped if its coordinate frame is not the expected one, or if it contains numbers that are
+    not finite. It is also dropped if its stamp differs from the present time by more than the topic's
+    `stale_ms` in the robot's file, or is not later than the stamp of the message before. If no valid message
+    follows, the `StaleSensor` error contains the reason.
     """
 
     KIND: str

@@ -76,7 +76,7 @@ class Histogram:
 
 
 def histogram(values: FloatArray, success: BoolArray, limit: float | None = None) -> Histogram:
-    """Return the histogram of a metric.
+    """Return the histogram of a metric over trials, which shows trials with and without Success separately.
 
     Args:
         values: (n,) in the metric's unit, at least one of them not NaN.

@@ -91,8 +91,10 @@ class CampaignReport:
         return None if at is None else self.trials[at]
 
     def spreads(self) -> dict[str, Spread]:
-        """Return count, quantiles and mean of each metric over the trials, with a 95 % confidence interval of
-        the median, or, for a metric that is True or False, of the share of True.
+        """Return count, quantiles and mean of each metric over the trials, by the metric's name.
+
+        With them is the 95 % confidence interval of the median or, for a metric that is True or False, of the
+        share of True.
         """
         return {name: self._spread(name) for name in self.tally.columns}
 

@@ -40,8 +40,8 @@ class Walked(NamedTuple):
 
     @property
     def success(self) -> BoolArray:
-        """Mask (n,) of the random walks that reached the goal without skipping an element of a list, for
-        whose elements the task repeats actions.
+        """Mask (n,) of the random walks that reached the goal without skipping an element of a repeated part
+        of the task.
         """
         return np.asarray((self.last == GOAL) & ~self.skipped)
 

@@ -27,7 +27,7 @@ FAILS, FAILS_QUICK = 100, 20
 def covers(bench: KitBench, finding: CheckResult) -> None:
     """Check that a snapshot of the robot's state shows that base, joints or fingers have moved.
 
-    Each is moved by more than the tolerance that the robot's file allows for it.
+    For this, the check moves each of them by more than its tolerance in the robot's file.
     """
     with bench.rig() as rig:
         backend = rig.backend

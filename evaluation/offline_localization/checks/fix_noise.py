@@ -34,7 +34,10 @@ class SupposedNoise(NamedTuple):
 
 
 def suppose_noise(log: DriveLog, given: FieldNoise) -> SupposedNoise:
-    """Estimate a receiver's errors if the accuracies stated in a log are missing or not credible.
+    """Return the noise to assume for a vehicle, with a log of its drive.
+
+    The receiver's errors are estimated from the fixes if the accuracies that the log states are missing or
+    not credible.
 
     Args:
         log: log with all fixes.
@@ -64,7 +67,8 @@ def suppose_noise(log: DriveLog, given: FieldNoise) -> SupposedNoise:
 def white_error(log: DriveLog, period: float) -> float | None:
     """Return the standard deviation of the fixes about the track by odometry.
 
-    In each window of time the track is fitted to the fixes (Umeyama, 1991), so that slow errors cancel.
+    In each window of time the track is rotated and shifted to fit the fixes best (Umeyama, 1991), so that
+    slow errors cancel.
 
     Args:
         log: log with fixes about `period` apart.
@@ -72,7 +76,7 @@ def white_error(log: DriveLog, period: float) -> float | None:
 
     Returns:
         Standard deviation of a fix per axis, in [m]; None if fewer than `MIN_WINDOWS` windows have
-            `MIN_FIXES` fixes and motion of more than 1 m.
+        `MIN_FIXES` fixes and motion of more than 1 m.
     """
     found = _left(*odometry_track(log), max(WINDOW_S, MIN_FIXES * period))
     return None if found is None else max(LEAST_M, found)

@@ -191,15 +191,16 @@ def _scaled(log: DriveLog) -> list[str]:
 def way_scale(log: DriveLog) -> float | None:
     """Return the ratio of the distance by fixes to the distance by the wheels, to detect wrong units.
 
-    It is fitted in windows of time (Umeyama, 1991, eq. 42). Mirror images are fitted as well, so that
-    exchanged axes do not hide a wrong unit.
+    In each window of time, the ratio is the scale by which the wheels' track fits the fixes best, when it is
+    also rotated and shifted (Umeyama, 1991, eq. 42). Mirror images are fitted as well, so that exchanged axes
+    do not hide a wrong unit.
 
     Args:
         log: log with all fixes.
 
     Returns:
         Median of the ratio over all windows; None if no window has `MIN_FIXES` fixes that are spread by
-            `MIN_SPREAD_M` and fit the wheels' track.
+        `MIN_SPREAD_M` and fit the wheels' track.
     """
     times, ways, fixes = odometry_track(log)
     a, b = ways @ np.array([1.0, 1.0j]), fixes @ np.array([1.0, 1.0j])

@@ -59,8 +59,10 @@ class Explanation:
 
     @property
     def causes(self) -> Sequence[Mapping[str, Any]]:
-        """Causes recorded in the journal, first of the end of the action's motion, then of the end of the
-        return to its start state.
+        """Causes of the action's failure as the journal records them: why its motion ended, then why the
+        return to the start state ended.
+
+        It is empty without an action or recorded causes.
         """
         return tuple(self.action.result.get("cause", ())) if self.action else ()
 

@@ -72,8 +72,7 @@ class Panel:
     def know(
         self, network: ActionNetwork | None, actions: Sequence[PastAction], why: Why | None = None
     ) -> None:
-        """Replace the network, and the actions of the run with their outcomes, that the panel shows from now
-        on.
+        """Set the network that the panel shows from now on, and the actions of the run with their outcomes.
 
         Args:
             network: the network; None if it is not known.
