@@ -37,7 +37,7 @@ def coal_body(shape: Shape) -> object:
 
 
 def shape_of(geometry: object, pose: Transform, name: str) -> Shape:
-    """Return a geometry of coal as a shape; a mesh as its convex hull.
+    """Return a geometry of coal, the collision library, as a shape; a mesh becomes its convex hull.
 
     Args:
         geometry: coal's geometry.

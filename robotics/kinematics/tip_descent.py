@@ -22,8 +22,8 @@ _TINY = 1e-10  # [rad] below which a turn is its own sine
 class TipScrews(NamedTuple):
     """Axes of the joints that move the tip of an arm, for forward kinematics as a product of exponentials.
 
-    The frame is the root of the model: Lynch and Park, Modern Robotics (2017), chapter 4. Of the arm's n
-    joints and their followers, k move the tip.
+    The axes are in the frame of the model's root, as in Lynch and Park, Modern Robotics (2017), chapter 4. Of
+    the arm's n joints and their followers, k move the tip.
     """
 
     axes: FloatArray
@@ -201,7 +201,8 @@ def _motion_to(pose: FloatArray, target: FloatArray, out: FloatArray) -> None:
 def descend(screws: TipScrews, root_T_target: FloatArray, q: FloatArray) -> bool:
     """Move an arm's joints until the tip is at a pose, within their limits; return whether that succeeded.
 
-    The method is that of Levenberg and Marquardt with damping by the error: Sugihara (2011), eq. 15 and 16.
+    The steps are damped least squares (Levenberg and Marquardt) whose damping falls with the remaining error:
+    Sugihara (2011), eq. 15 and 16.
 
     Args:
         screws: joints that move the tip.

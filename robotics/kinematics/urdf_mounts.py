@@ -7,7 +7,7 @@ from handcart.robotics.kinematics.urdf_tree import MOVABLE_KINDS
 
 
 def joints_above(urdf_text: str, link: str) -> list[str]:
-    """Return the joints that move a link, from the root on.
+    """Return the names of the joints that move a link, in the order from the root to the link.
 
     Args:
         urdf_text: URDF without faults.
@@ -30,10 +30,13 @@ def joints_above(urdf_text: str, link: str) -> list[str]:
 
 
 def joints_between(urdf_text: str, link: str, other: str) -> list[str]:
-    """Return the joints that move one link against another, from each link up to their last common ancestor.
+    """Return the names of all joints between two links, which change the pose of one link relative to the
+    other.
+
+    These are the joints from each link up to the last link that carries both.
 
     Args:
-        urdf_text: a sound URDF.
+        urdf_text: URDF without faults.
         link: name of a link; its joints come first.
         other: name of another link.
 

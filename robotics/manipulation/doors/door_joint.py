@@ -65,7 +65,7 @@ class DoorJoint(NamedTuple):
         """Return the opening, in [rad] or [m], at which the handle is nearest to a point.
 
         Args:
-            point: (3,) in the frame in which `closed` is given, in [m].
+            point: (3,) in [m], in the frame of the attribute `closed` (pose of the closed door's handle).
         """
         x, y, _ = (inverse(self.closed) @ np.append(point, 1.0))[:3].tolist()
         if self.hinge is None:
@@ -95,7 +95,8 @@ class DoorJoint(NamedTuple):
         For a hinge, the opening is computed from the handle's orientation, for a slide from its position.
 
         Args:
-            handle: (4, 4) pose of the handle, in the same frame as `closed`.
+            handle: (4, 4) pose of the handle, in the frame of the attribute `closed` (pose of the closed
+                door's handle).
         """
         if self.hinge is None:
             return self.opening_at(handle[:3, 3])

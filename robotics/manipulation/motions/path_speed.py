@@ -22,8 +22,8 @@ def highest_speed(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the highest possible speed along a joint path as a function of arc length, from rest to rest.
 
-    TOPP-RA (Pham and Pham 2018) computes in a backward pass along the path from which speeds the arm can
-    still stop, and in a forward pass the highest of these speeds.
+    The method is TOPP-RA (Pham and Pham 2018): a backward pass along the path finds the speeds from which the
+    arm can still stop in time; a forward pass takes the highest of them.
 
     Args:
         rounded: the path, in [rad] or [m].

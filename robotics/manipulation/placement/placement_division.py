@@ -117,8 +117,8 @@ def score_arrays(
 
     Returns:
         Scores (p, b); a mask (p, b), True where the arm reaches the point within the limits of the score; a
-            mask (p-1, b), True for steps that need no jump of the arm's joints, or an empty array if none
-            does; and lengths (p-1,) of the steps, in [m].
+            mask (p-1, b), True for steps without a jump of the arm's joints, or an empty array if no step
+            needs a jump; and lengths (p-1,) of the steps, in [m].
     """
     joined = np.zeros((0, 0), dtype=np.bool_) if scores.joined is None else scores.joined.T
     return (

@@ -121,7 +121,7 @@ def predicted_difference(
 
 
 def look_alike(field: LikelihoodField, poses: FloatArray, radius: float, within: float, reach: float) -> bool:
-    """Return True if no scan from a near place could distinguish the best hypothesis from another one.
+    """Return True if no scan from a near place could distinguish the best hypothesis from another hypothesis.
 
     The map then looks the same around both hypotheses.
 

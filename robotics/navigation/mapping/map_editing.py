@@ -110,7 +110,7 @@ def _crowding(points: FloatArray, angle: float, width: float) -> float:
 
 
 def paint_zone(zones: GridMap, corners: Sequence[tuple[float, float]], is_barred: bool) -> GridMap:
-    """Return a map of barred zones to which a polygon was added, or from which it was removed.
+    """Return a map of barred zones, where a robot must not drive, after adding or removing a polygon.
 
     Args:
         zones: map whose occupied cells are zones.

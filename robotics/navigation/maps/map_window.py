@@ -30,7 +30,8 @@ def window_around(grid: GridMap, x: float, y: float, half: float) -> GridMap:
 def coarsened(grid: GridMap, factor: int) -> GridMap:
     """Return a map with cells that are `factor` times as wide.
 
-    A wide cell is occupied if any of the cells in it is, and otherwise unknown if any of them is.
+    A wide cell is occupied if any of the cells in it is occupied, and otherwise unknown if any of them is
+    unknown.
 
     Cells beyond the map's upper and right border count as unknown.
     """

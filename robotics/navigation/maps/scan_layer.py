@@ -120,7 +120,7 @@ class ScanLayer:
         )
 
     def restore(self, cells: FloatArray) -> None:
-        """Set the cells in the rows (n, 4) that `cells` returned to the scores in these rows; keep other
+        """Set the scores of the cells in rows (n, 4) that the method `cells` returned earlier; keep other
         cells.
 
         Rows are x, y on the map in [m], score, and time in [s]. They may come from a layer on another map of

@@ -71,7 +71,7 @@ class Attitude:
 def yaw_sigma(walk: float, moved: float) -> float:
     """Return the standard deviation, in [rad], of the difference between two values of `Attitude.yaw`.
 
-    It includes the error of the gyro's bias, which is estimated at rest before the motion.
+    The result includes the error of the gyro's bias, which is estimated at rest before the motion.
 
     Args:
         walk: the gyro's angle random walk, in [rad/√s].

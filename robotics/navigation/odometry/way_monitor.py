@@ -35,10 +35,10 @@ class WayMonitor:
         self._missed, self._way, self._claimed, self._next = 0.0, 0.0, 0.0, TEST_EVERY_M
 
     def take(self, missed: float, map_sigma: float, scale_variance: float) -> float:
-        """Add a correction of the position by a scan; return the wheels' relative scale error, or 0.
+        """Add a correction of the position by a scan; return the size of the wheels' relative scale error.
 
-        The error is returned without its sign, and only if it exceeds 3 standard deviations, otherwise 0. An
-        error above that starts a new window of travel.
+        The result is 0 as long as the error is below 3 standard deviations. A larger error is returned
+        without its sign, and a new window of travel begins.
 
         Args:
             missed: position by the scan less position by the wheels, along the heading, in [m].

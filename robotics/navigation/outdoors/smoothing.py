@@ -85,7 +85,7 @@ class TrackRecord:
             self._latest = self._latest.corrected(covariance, rows, residual, variance)
 
     def correct_either(self, branches: Sequence[BeliefBranch], rows: FloatArray, variance: float) -> None:
-        """Record a filter update by readings, if the states may have changed in one of several ways before.
+        """Record a filter update by readings before which the states may have changed in one of several ways.
 
         Args:
             branches: possible changes, each with its weight, transition, residual and covariance.

@@ -50,7 +50,7 @@ class RouteLook(NamedTuple):
 class Replanner:
     """Planner that decides whether to keep a route or to take another one.
 
-    A free route is kept unless the cost of another one is less than `WORTH_RATIO` of its cost. So the robot
+    A free route is kept as long as no other route costs less than `WORTH_RATIO` times its cost. So the robot
     does not alternate between two routes of about the same cost.
     """
 

@@ -41,8 +41,9 @@ def fit_front(
 ) -> FrontLine | None:
     """Fit a line to scan points of a straight front.
 
-    The best line through two of the points is improved with Tukey's weights. So obstacles in front of a part
-    of the front, and openings in it, do not displace the line.
+    The best line through two of the points is improved by least squares with Tukey's weights, which are 0 for
+    points far off the line. So obstacles in front of a part of the front, and openings in it, do not displace
+    the line.
 
     Args:
         points: (n, 2) scan points in the base frame, in [m]; several scans from one pose may be stacked.

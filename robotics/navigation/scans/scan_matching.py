@@ -122,7 +122,7 @@ def match_scan(
         map_error: (3, 3) factor W with rows for x, y on the map in [m] and heading in [rad]; W Wᵀ is the part
             of `prior_covariance` that comes from the map's error; None: zero.
         before: evidence of the previous scan, at about the same place, which has to confirm the evidence of
-            this scan.
+            this scan; None: there is none to compare with.
     """
     noise = math.hypot(sigma, CELL_SIGMA * field.map.resolution)
     final = 2.5 * noise

@@ -86,8 +86,8 @@ class StartFit(NamedTuple):
 def explained_share(field: LikelihoodField, beams: ScanBeams, pose: Pose2, noise: float) -> float:
     """Return the share of a scan's beams, 0 to 1, that agree with the map at a pose.
 
-    A beam with an echo agrees if it ends near a surface of the map. A beam without an echo agrees if the map
-    has no surface on it within the lidar's reach.
+    A beam with an echo agrees if it ends near a surface of the map. A beam without an echo agrees if the beam
+    meets no surface of the map within the lidar's reach.
 
     Args:
         field: likelihood field of the map.

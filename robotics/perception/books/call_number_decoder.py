@@ -46,9 +46,9 @@ class CallNumberDecoder:
     """Decoder that finds the most likely call number `ddd[.d...] LLL` in the outputs of a text recogniser
     (CTC).
 
-    It is a prefix beam search (Graves et al., "Connectionist temporal classification", 2006; Hannun et al.,
-    2014) that only follows prefixes of call numbers. If no call number is possible by the outputs, there is
-    no result.
+    The method is prefix beam search, which keeps the most likely beginnings of the text at each step (Graves
+    et al., "Connectionist temporal classification", 2006; Hannun et al., 2014). Here only beginnings of call
+    numbers are kept. If the outputs allow no call number, there is no result.
     """
 
     def __init__(self, characters: Sequence[str], letters: int = 3, max_decimals: int = 4) -> None:
@@ -72,7 +72,7 @@ class CallNumberDecoder:
 
         Args:
             probabilities: (t, n) probability, 0 to 1, of each of n characters at each of t steps along the
-                text; column 0 is the blank.
+                text; column 0 is the blank, CTC's symbol for no character.
         """
         symbols = np.column_stack([probabilities[:, group].sum(axis=1) for group in self._groups])
         blanks = probabilities[:, self._blank].sum(axis=1)

@@ -24,7 +24,7 @@ _PAGE_M_PER_PX, _PAGE_SHARE = 0.000177, 0.9  # how lines are looked for: scale, 
 class Label(NamedTuple):
     """Label on a book as it was seen and read.
 
-    `text` is the label's text as read, "" if unreadable. `call_number` is None unless the text was read as a
+    `text` is the label's text as read, "" if unreadable. `call_number` is None if the text was not read as a
     call number. `confidence` is from 0 to 1. `corners` (4, 2) are in [px] of the image, beginning at the
     upper left of the printed text, then clockwise for somebody who reads the text. `lateral` and `height` are
     y and z of the label's middle in the shelf frame, and `width` is its size across the spine, all in [m].

@@ -50,9 +50,10 @@ def calibrate_camera(
 ) -> CameraCalibration:
     """Return a camera's intrinsics, and as many distortion coefficients of its lens as the views determine.
 
-    The method is that of Zhang, "A flexible new technique for camera calibration" (2000). The radial
-    coefficients k1 and k2 are always fitted. The tangential ones p1 and p2, and then the radial k3, are
-    fitted if they are significant and improve Bayes' information criterion (Schwarz, 1978).
+    The method is that of Zhang, "A flexible new technique for camera calibration" (2000), which needs only
+    several views of a flat board. The radial coefficients k1 and k2 are always fitted. The tangential ones p1
+    and p2, and then the radial k3, are fitted if they are significant and improve Bayes' information
+    criterion (Schwarz, 1978).
 
     Args:
         views: corners of one board in at least `FEWEST_VIEWS` images.

@@ -30,7 +30,7 @@ class Chessboard(CalibrationBoard):
         self._inner = (columns - 1, rows - 1)
 
     def find(self, image: ByteArray) -> BoardView | None:
-        """Return the board's corners in a grey image (h, w); None unless the complete board is visible."""
+        """Return the board's corners in a grey image (h, w); None if the board is not completely visible."""
         found, rough = cv2.findChessboardCorners(image, self._inner, flags=_FLAGS)
         if not found:
             return None

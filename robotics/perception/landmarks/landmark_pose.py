@@ -15,7 +15,7 @@ def planar_pose(seen: Landmark, camera_T_plane: Transform) -> Pose2:
     """Return plane_T_landmark of a landmark that lies in the plane z = 0 of a frame, face up (towards +z).
 
     The rays to the four corners are intersected with the plane, and the landmark is in the middle of these
-    points. Its size isn't used.
+    points. The landmark's size isn't used.
 
     Args:
         seen: the landmark as it was seen.

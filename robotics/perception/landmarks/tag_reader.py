@@ -47,7 +47,7 @@ def read_tags(
 
     A tag with a side of 10 mm is read up to a distance of 0.35 m with a focal length of 800 px. One wrong bit
     is corrected if the family's codes differ enough (`tag_family.corrected_bits`), otherwise none. A smeared
-    or partly covered tag is not found, but never read as another tag.
+    or partly covered tag may be missed, but is never read as another tag.
 
     Args:
         image: (h, w), grey.
@@ -99,8 +99,8 @@ def tag_poses(tag: Tag, camera: CameraModel, side: float) -> list[TagPose]:
     """Return both poses of a square that fit its corners, the better one first.
 
     At a large distance, where the perspective is weak, both poses fit: a tag that is tilted towards the
-    camera looks like a tag that is tilted away from it. The method is that of Collins and Bartoli,
-    "Infinitesimal plane-based pose estimation" (2014).
+    camera looks like a tag that is tilted away from it. Both are computed in closed form by the method of
+    Collins and Bartoli, "Infinitesimal plane-based pose estimation" (2014).
 
     Args:
         tag: tag with its corners in the image.

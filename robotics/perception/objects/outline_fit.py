@@ -49,8 +49,9 @@ def fit_outline(
 ) -> OutlineFit | None:
     """Fit an outline of known size to points; return None if its pose isn't determined.
 
-    The method is Gauss and Newton's with Huber's weights. A depth camera has no readings in a strip next to a
-    step in depth. The width of the strip is fitted too; it is assumed to be the same all around the outline.
+    The fit is a least-squares fit (Gauss and Newton) with Huber's weights, which limit the effect of
+    outliers. A depth camera has no readings in a strip next to a step in depth. The width of the strip is
+    fitted too; it is assumed to be the same all around the outline.
 
     Args:
         points: (n, 2) on the outline or a part of it, in any plane frame, in [m]; the pose is in that frame.

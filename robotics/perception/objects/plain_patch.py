@@ -17,8 +17,8 @@ MAX_EDGE_SHARE = 0.004  # of the part's pixels
 def edge_share(
     image: ByteArray, camera: CameraModel, base_T_camera: Transform, corners: FloatArray
 ) -> float | None:
-    """Return the share of pixels with edges in the picture of a part of a surface; None if it is not
-    completely visible.
+    """Return the share of pixels with edges, 0 to 1, in the picture of a part of a surface; None if the part
+    is not completely visible.
 
     Args:
         image: (h, w), grey.
