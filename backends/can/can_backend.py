@@ -165,7 +165,9 @@ class CanBackend(Backend):
 
     @property
     def inner(self) -> Backend | None:
-        """On a bench, the backend that simulates the rest of the robot; None on a real bus."""
+        """With simulated drives, the backend that simulates the robot that they move; None on a real bus, or
+        without a world.
+        """
         return self.bench.inner if self.bench else None
 
     @override

@@ -31,7 +31,9 @@ class CanBase(Base):
         return WheelTravel(self._left.travel, self._right.travel)
 
     def set_travel(self, travel: WheelTravel) -> None:
-        """Set the distances in [m] that the wheels have rolled so far, from which the encoders count on."""
+        """Set how far the wheels have rolled so far, in [m]; the motion that the encoders measure later is
+        added.
+        """
         self._left.travel, self._right.travel = travel.left, travel.right
 
     def forget(self) -> None:

@@ -70,7 +70,7 @@ class CanParts:
 
     @property
     def joints(self) -> FloatArray | None:
-        """Last commanded joints (n,) of the arm, in [rad] or [m]; None without an arm."""
+        """Last commanded positions (n,) of the arm's joints, in [rad] or [m]; None without an arm."""
         return None if self.arm is None else self.arm.command()
 
     @joints.setter

@@ -114,7 +114,7 @@ def unused_findings(task: Task, cases: WorstCases, best: Collection[int] | None 
 def short_findings(task: Task, cases: WorstCases) -> list[Finding]:
     """Return a finding for each situation in which a run can end short of the goal.
 
-    Its place in the task's file is the last action that Fails on the shortest path of a run to this
+    The finding's place in the task's file is the last action that Fails on the shortest path of a run to this
     situation.
     """
     found: dict[str, Finding] = {}

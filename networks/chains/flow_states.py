@@ -17,7 +17,7 @@ MAX_CODE = 2**62
 
 
 class FlowStates(NamedTuple):
-    """States of a network, each with the probability that a run comes to it, and the run's cost up to
+    """States of a network, each with the probability that a run comes to it, and the cost of runs up to
     there.
     """
 

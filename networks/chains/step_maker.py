@@ -49,7 +49,7 @@ class Step(NamedTuple):
     """True if the action is missing because calling a person is better."""
 
     def following(self) -> Iterator[State]:
-        """Yield the states that may follow this step."""
+        """Yield the states that may follow this step, after any Success or Fail of its action."""
         for item in (*self.succeeded, self.failed, *self.failed_by, self.for_good):
             if item is not None:
                 yield item

@@ -18,7 +18,8 @@ CHARGE_TIMEOUT_S = 300.0
 
 
 class AimWatch:
-    """Watch over the time-out of a round, the begin of the next one, and due interrupts.
+    """Monitor of times and conditions: the time-out of a round, the begin of the next round, and due
+    interrupts.
 
     A round is one run of a task that repeats; an interrupt is a goal that comes before the task's goal, for
     example while the battery is low. Times are in the robot's time, except times of day, for which there is
@@ -99,7 +100,9 @@ class AimWatch:
         return self._round_began, self._clock.time_of_day(self._round_due).isoformat("seconds")
 
     def is_early(self) -> bool:
-        """Return whether the start of the task's next round, computed by `begin_round`, is still to come."""
+        """Return whether the start of the task's next round, computed by `begin_round`, is still in the
+        future.
+        """
         self._look_at_clock()
         if self._round_due is None:
             return self._robot.time < self._round_began

@@ -92,8 +92,8 @@ class ComponentSearch:
         self._decisions: _Decisions | None = None
 
     def bounds(self, state: State) -> tuple[float, float] | None:
-        """Return the lower and upper bound of a state's cost, in [s]; None if the search has not met the
-        state.
+        """Return the lower and upper bound of a state's expected cost, in [s]; None if the search has not met
+        the state.
         """
         number = self._table.number(self._rows.key(state))
         return None if number is None else (float(self._table.low[number]), float(self._table.high[number]))

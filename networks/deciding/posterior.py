@@ -47,7 +47,10 @@ class OutcomeCounts(NamedTuple):
 
     @property
     def weights(self) -> tuple[float, float, float]:
-        """Parameters of the Dirichlet distribution of an action's chances of Success, Fail and GiveUp."""
+        """Parameters of the Dirichlet distribution of an action's chances of Success, Fail and GiveUp.
+
+        Each is the count of the outcome plus the outcome's prior weight.
+        """
         prior = PRIOR_SUCCESS, PRIOR_FAIL, PRIOR_GIVE_UP
         return prior[0] + self.successes, prior[1] + self.fails, prior[2] + self.give_ups
 

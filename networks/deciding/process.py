@@ -107,7 +107,9 @@ class Process:
         return [*found, *((chance.fail * p, to or action.source) for p, to in pairs)]
 
     def options(self, state: State) -> list[ProcessOption]:
-        """Return the actions that can be started in a state."""
+        """Return the actions that can be started in a state, each with its cost and the states that may
+        follow.
+        """
         fails = dict(state.fails)
         return [
             self._option(state, action, fails)

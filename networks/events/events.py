@@ -48,7 +48,10 @@ class Restoring:
 
 @dataclass(frozen=True)
 class Ended:
-    """Event of an action that has ended, after its outcome is in the journal."""
+    """Event of an action that has ended, with its number, its outcome, and the facts that were learned.
+
+    It is sent after the outcome is in the journal.
+    """
 
     time: float
     number: int

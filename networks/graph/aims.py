@@ -47,7 +47,7 @@ class Interrupt:
     """Times of day at which it is due; none: it depends on another condition."""
 
     def fields(self) -> dict[str, Any]:
-        """Return the fields of the interrupt, ready for JSON."""
+        """Return name, goals, conditions and priority of the interrupt as fields for JSON."""
         found = {
             "name": self.name,
             "goals": list(self.goals),

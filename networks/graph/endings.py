@@ -7,7 +7,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Ending:
-    """Situation that a Success may lead to instead of the action's usual one, with the primitive's result."""
+    """Situation that a Success may lead to instead of the action's usual one, with the result that decides
+    it.
+
+    A primitive reports one of its results with each Success.
+    """
 
     target: str
     result: str = ""

@@ -28,10 +28,12 @@ class Elsewhere(NotStarted):
 
 
 class RunDecisions:
-    """Decisions of a run that depend only on the outcomes of its actions, which may be real or scripted.
+    """Decisions of a run (next action, situation, goal), which depend only on the outcomes of its actions.
 
     The run follows a planned route, and plans again after each Fail, from the situation that the Fail leads
     to.
+
+    The outcomes may be real or scripted.
     """
 
     def __init__(self, network: ActionNetwork, planner: Planner | None = None) -> None:

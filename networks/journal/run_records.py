@@ -178,7 +178,10 @@ class PointOfNoReturn(TypedDict):
 
 @with_config(_OPEN)
 class StopRecord(TypedDict):
-    """Record of a stop that was commanded to the robot on request, with times in [s]."""
+    """Record of a stop that was commanded to the robot on request, with its cause.
+
+    The times of the request and of the command are in [s] of the robot's time.
+    """
 
     cause: str
     asked_s: float

@@ -36,8 +36,8 @@ class OwnPage:
     def stranger(self, host: str | None, origin: str | None, site: str | None) -> Refusal | None:
         """Return the refusal of a request whose headers show that it comes from another site.
 
-        The result is None otherwise. The request's token still has to be checked with `knows` (rows U2 and U3
-        of faults.md).
+        The result is None if they do not. The request's token still has to be checked with `knows` (rows U2
+        and U3 of faults.md).
 
         Args:
             host: header Host; None if it is missing.

@@ -14,7 +14,7 @@ from .past_run import PastAction
 
 
 class ActionLog(RunObserver):
-    """Observer that collects the actions of a run as they start and end."""
+    """Observer that collects the actions of a run, with their outcomes, as they start and end."""
 
     def __init__(self) -> None:
         """Create an empty log."""

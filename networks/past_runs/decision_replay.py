@@ -42,7 +42,10 @@ class DecisionDifference:
 
 @dataclass(frozen=True)
 class DecisionReplay:
-    """Result of making a past run's decisions again with the present code."""
+    """Result of making a past run's decisions again with the present code.
+
+    It has the numbers of plans and actions that are equal, and the first difference.
+    """
 
     plans: int
     """Number of plans that are equal."""

@@ -66,7 +66,7 @@ class PastAction:
 
 @dataclass(frozen=True)
 class PastRun:
-    """A run as recorded in its journal."""
+    """A run as recorded in the journal of its folder, with its records, actions and network."""
 
     folder: Path
     header: Record

@@ -53,7 +53,7 @@ class ComparedAction:
     def residuals(self) -> Iterator[tuple[str, float | None, float | None]]:
         """Yield each residual (deviation after restoring) that differs between the runs.
 
-        It is given by its name with the unit, and its size in each run.
+        Each is a name with the unit, and the residual's size in each run; None if a run lacks it.
         """
         mine, theirs = _residuals(self.one), _residuals(self.other)
         for name in dict.fromkeys([*mine, *theirs]):

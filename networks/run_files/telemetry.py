@@ -52,8 +52,9 @@ class Telemetry:
         self._located.append(robot.localization.is_located)
 
     def track(self) -> RunTrack:
-        """Return times, poses and actions of the run recorded so far, with poses in the map frame if the
-        robot came to know its pose on the map.
+        """Return the times, poses and actions of the run recorded so far.
+
+        The poses are in the map frame if the robot came to know its pose on the map; see `on_the_map`.
         """
         table = np.array(self._rows, dtype=np.float64).reshape(-1, 6)
         poses = on_the_map(table[:, 1:4], np.array(self._located, dtype=np.bool_))

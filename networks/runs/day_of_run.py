@@ -17,7 +17,7 @@ from .run_options import RunOptions
 class NoRehearsedDay(InputError):
     """Error, because the begin of a run is given as a time of day, which the run does not use.
 
-    Its robot is real, or its task has no times of day for rounds and interrupts.
+    The run's robot is real, or its task has no times of day for rounds and interrupts.
     """
 
 

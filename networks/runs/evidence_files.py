@@ -36,7 +36,7 @@ def stem(number: int, do: str, outcome: Outcome) -> str:
 
 
 class EvidenceFiles(RunObserver):
-    """Observer that saves the pictures and points by which each action's outcome was decided.
+    """Observer of a run that saves the pictures and points by which each action's outcome was decided.
 
     For example, `evidence/003_SEARCH_Fail_front.png` is the picture `front` of the third action. Maps that an
     action made are saved in `maps/NAME/`. Calibration values from successful actions are saved as well.

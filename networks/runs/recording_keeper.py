@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class RecordingKeeper(RunObserver):
-    """Observer that saves a backend's recording, such as the frames of a bus, around failures.
+    """Observer of a run that saves a backend's recording, such as the frames of a bus, around failures.
 
     After each Fail and GiveUp, a file such as `evidence/003_MOVE_TO_Fail_frames.log` holds the last seconds
     of the failed action's motion, and of its return to the state at its start. `evidence/end_frames.log`

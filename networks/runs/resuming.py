@@ -40,7 +40,7 @@ class NothingToResume(InputError):
 
 @dataclass(frozen=True)
 class Past:
-    """Content of an interrupted run's folder, read once."""
+    """Content of an interrupted run's folder, read once: journal, checkpoint, and state of the run."""
 
     folder: Path
     contents: JournalContents

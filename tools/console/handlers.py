@@ -146,7 +146,7 @@ class Handlers:
     async def stop(self, request: web.Request) -> web.Response:
         """Stop a run at once; every client with access may do so, also without the right to command.
 
-        Rows U8 and U9 of docs/reference/faults.md.
+        See rows U8 and U9 of docs/reference/faults.md.
         """
         folder = self._folder(request)
         try:
@@ -159,7 +159,7 @@ class Handlers:
         """Acknowledge a GiveUp of a run, if the request names its record and cause as the operator has read
         them.
 
-        Row U12 of docs/reference/faults.md.
+        See row U12 of docs/reference/faults.md.
         """
         folder, word = self._folder(request), await _body(request)
         if not self._lease.holds(_tab(request)):

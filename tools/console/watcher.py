@@ -82,7 +82,7 @@ class Watcher:
     def folder_of(self, name: str) -> Path | None:
         """Return a run's folder by its name; None if no listed run has exactly this name.
 
-        Row U14 of docs/reference/faults.md.
+        See row U14 of docs/reference/faults.md.
         """
         listed = self._listed.get(name)
         return None if listed is None else listed.folder

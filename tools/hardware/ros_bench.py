@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class RosBenchOptions(NamedTuple):
-    """Options for simulating a robot behind ROS 2 topics, with the duration of the simulation."""
+    """Options for simulating a robot behind ROS 2 topics: robot, world, faults, duration and others."""
 
     robot: str
     """Name or path of the robot; that of the task where one is given."""

@@ -110,7 +110,7 @@ class RunDesk:
         link.serve(f"{SERVICE_PREFIX}/resume", self.resume)
 
     def state(self) -> dict[str, Any]:
-        """Return the offered tasks, the running run, the stopped run that waits for a person, and the run
+        """Return the tasks on offer, the running run, the stopped run that waits for a person, and the run
         that can be resumed.
 
         The caller publishes this state, so that people can read it. A run can be acknowledged or resumed only

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class CampaignWords:
-    """Formatter of a campaign's report, for people or for programs."""
+    """Formatter of a campaign's report, as lines for people or as JSON values for programs."""
 
     def __init__(
         self,

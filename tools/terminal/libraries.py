@@ -105,7 +105,7 @@ def check_libraries() -> None:
 
 
 def required() -> list[Requirement]:
-    """Return the libraries that handcart requires, by its installed package; empty if it is not installed."""
+    """Return the libraries that handcart's installed package requires; empty if handcart is not installed."""
     for folder in sys.path:
         for found in Path(folder or ".").glob("handcart-*.dist-info/METADATA"):
             head = found.read_text(encoding="utf-8").partition("\n\n")[0]

@@ -14,7 +14,7 @@ from .key_holding import held_key
 
 
 class TerminalOperator(Operator):
-    """Operator at the terminal: questions go to stderr, answers are typed."""
+    """Person at the terminal as operator of a procedure: questions go to stderr, answers are typed."""
 
     @override
     def tell(self, words: str) -> None:

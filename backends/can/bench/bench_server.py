@@ -54,7 +54,9 @@ class BenchServer:
             self.catch_up()
 
     def catch_up(self) -> None:
-        """Advance the bench to the present time of the clock if no SYNCs have arrived for 1.5 periods."""
+        """Advance the simulated drives to the present time of the clock if no SYNCs have arrived for 1.5
+        periods.
+        """
         now = self._clock()
         if self._has_passed():
             self._alone, self._passed = False, now

@@ -99,7 +99,7 @@ class ControllerFault(BusFault):
 
 
 class SilentDrive(CanFault, TimeoutError):
-    """Error: a drive does not answer. It stops by itself when the heartbeat of the controller is missing."""
+    """Error: a drive does not answer. It stops by itself when this program's heartbeat is missing."""
 
     def __init__(self, drive: str, objects: str, age: float | None) -> None:
         since = "at all" if age is None else f"for {age:.3g} s"

@@ -255,7 +255,7 @@ class Axis(canopen.RemoteNode):
     # Its answers
 
     def ask(self) -> None:
-        """Prepare for a SYNC: count only answers that arrive after it."""
+        """Prepare for a SYNC: from now on, count only answers that arrive after this call."""
         self._fresh.clear()
         self._asked += 1
 

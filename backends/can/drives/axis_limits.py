@@ -86,7 +86,7 @@ def joint_limits(robot: RobotFile, spec: JointDriveSpec, model: ArmModel, joint:
 
 
 def gripper_limits(robot: RobotFile, spec: GripperDriveSpec) -> AxisLimits:
-    """Return the limits of the fingers' opening, in [m], [m/s] and [m/s²]."""
+    """Return the limits of the fingers' opening in [m], its speed in [m/s] and its acceleration in [m/s²]."""
     assert robot.gripper is not None
     speed, opening = robot.gripper.speed_mm_s / 1e3, robot.gripper.opening_mm / 1e3
     torque = round(10.0 * spec.top_torque_percent)

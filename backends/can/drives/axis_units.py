@@ -18,7 +18,7 @@ class AxisUnits:
     """Counts of the drive where the axis' position is 0."""
 
     def counts(self, position: float) -> int:
-        """Return a position in [m] or [rad] as counts."""
+        """Return an axis' position, given in [m] or [rad], as the drive's position in counts."""
         return round(position * self.scale) + self.zero
 
     def position(self, counts: float) -> float:
@@ -40,7 +40,7 @@ class AxisUnits:
         return abs(self.rate(value))
 
     def speed(self, counts: float) -> float:
-        """Return a speed, given in [counts/s], in [m/s] or [rad/s]."""
+        """Return a drive's speed, given in [counts/s], as the axis' speed in [m/s] or [rad/s]."""
         return counts / self.scale
 
 
