@@ -58,8 +58,8 @@ class OdometrySpec(FileModel):
 
     @property
     def errors(self) -> OdometryErrors:
-        """Standard deviations of the wheel odometry's errors as ratios, and the distance in [m] after which
-        the slip changes.
+        """Standard deviations of the wheel odometry's errors, as ratios of wheel radius, tread and travel,
+        and the distance in [m] after which the slip changes.
         """
         return OdometryErrors(
             self.wheel_radius_percent / 100,

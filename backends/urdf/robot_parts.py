@@ -29,7 +29,7 @@ KeyPath = tuple[str | int, ...]
 
 
 class UrdfError(ValueError):
-    """Error: a robot's URDF is missing, or that cannot be mounted where the robot's file says."""
+    """Error: a robot's URDF is missing, or cannot be mounted where the robot's file says."""
 
     def __init__(self, wrong: str, key: KeyPath | None = None) -> None:
         self.key = key
@@ -80,7 +80,9 @@ class PartSpec(FileModel):
 
 
 class ReadPart(NamedTuple):
-    """Text of a usable URDF, with the places of its elements, and its faults that do not prevent its use."""
+    """Text of a usable URDF, with the line and column of its links and joints, and its faults that do not
+    prevent its use.
+    """
 
     file: str
     text: str

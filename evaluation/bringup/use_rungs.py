@@ -159,7 +159,9 @@ def _wrapped(angle: float) -> float:
 
 
 class RangesRung(Rung[RobotSite]):
-    """Bring-up step that measures the spread of the lidar's ranges, and compares one with a tape measure."""
+    """Bring-up step that measures the spread of the lidar's ranges, and checks one range by a tape
+    measure.
+    """
 
     name = "range_sensor"
     summary = "the lidar's spread, and one range by tape; `handcart adopt` shows what that changes"

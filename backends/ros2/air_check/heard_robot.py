@@ -101,7 +101,7 @@ class HeardRobot:
         return self._over is not None and self._over()
 
     def last(self, topic: str) -> Any:
-        """Return the last message of a topic; None without one."""
+        """Return the last message of a topic; None before the first."""
         return self.link.meters[topic].last
 
     def sensors(self) -> Iterator[tuple[str, TopicSensor]]:

@@ -38,7 +38,7 @@ class Prediction(NamedTuple):
 
     @property
     def success_95(self) -> tuple[float, float]:
-        """95 % interval of the probability of success."""
+        """95 % bootstrap confidence interval of the probability of success."""
         low, high = np.quantile(self.resampled[:, 0], [0.025, 0.975]).tolist()
         return low, high
 

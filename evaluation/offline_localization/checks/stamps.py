@@ -17,7 +17,9 @@ MAX_WRONG = 0.5  # share of a topic's stamps: with more they are unusable
 
 
 class StampReport(NamedTuple):
-    """Result of a check of a topic's header stamps, with the usable ones, messages, and any grave fault."""
+    """Result of checking a topic's header stamps: a mask of those that can be used, messages about tolerable
+    faults, and the reason if none can be used.
+    """
 
     used: BoolArray
     """(n,) mask of messages with a credible stamp."""

@@ -25,7 +25,9 @@ POSTURE_DIGITS = 1  # of a posture in the draft, in [deg] or [mm]
 
 
 class Home(NamedTuple):
-    """Posture of the arm proposed for driving, with its self-contacts and the robot's radius in it."""
+    """Posture of the arm proposed for driving, with the radius that contains the robot in it, and the pairs
+    of links that touch in every posture.
+    """
 
     posture: Sequence[float]
     """Joint positions in [deg], or [mm] for prismatic joints."""
