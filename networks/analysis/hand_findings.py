@@ -45,7 +45,7 @@ def hand_findings(task: Task) -> list[Finding]:
     primitives of earlier actions.
 
     Args:
-        task: the task, with its repeats unrolled.
+        task: the task, whose network has a copy of each repeated part for each element.
     """
     uses = _uses(task)
     reached = _reached(task, uses)

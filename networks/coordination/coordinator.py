@@ -36,12 +36,12 @@ Permission = Callable[[Action], bool | None]
 
 
 class Coordinator:
-    """One run through an action network, as a generator of periods, independent of the robot's kind.
+    """Executor of one run through an action network, independent of the robot's kind.
 
-    The caller iterates the generator and, after each `yield`, steps the robot by one period; while
-    `life.paused` is true, the robot's time does not pass. Every decision is written to the journal before
-    it is acted on. Actions that failed, were refused or could not be started are counted. These counts
-    never decrease, so that every run ends within `network.bound()` actions.
+    The caller iterates the generator that `run` returns and, after each `yield`, steps the robot by one
+    period; while `life.paused` is true, the robot's time does not pass. Every decision is written to the
+    journal before it is acted on. Actions that failed, were refused or could not be started are counted.
+    These counts never decrease, so that every run ends within `network.bound()` actions.
     """
 
     def __init__(

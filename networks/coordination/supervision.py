@@ -150,7 +150,7 @@ class Supervision:
     def to_its_end(
         self, attempt: Attempt, time_out: float | None = None, late: str = ""
     ) -> Generator[None, None, Outcome | NotStarted]:
-        """Run the attempt of an action to its outcome.
+        """Run the attempt of an action, one control period for each `yield`, and return its outcome.
 
         The result is `NotStarted` if the attempt is called back (asked to restore and end) before it moves.
 

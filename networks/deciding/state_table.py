@@ -99,8 +99,8 @@ class StateTable:
     def add(self, rows: Uint16Array) -> IntArray:
         """Add states that are not in the table yet, and return the numbers (n,) of all given states.
 
-        The lower cost bound of a new state is that of its situation if the actions are not available whose
-        limit of Fails is reached; the upper bound is the cost of ending the run in the situation.
+        The lower bound of a new state's cost is computed from its situation, without the actions that have
+        reached their limit of Fails. The upper bound is the cost of ending the run in the situation.
 
         Args:
             rows: (n, 1 + counters) states: index of the situation, then the number of Fails by each counter.

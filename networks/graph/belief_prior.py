@@ -23,8 +23,8 @@ class BeliefPrior(NamedTuple):
         """Return the beliefs with which a run of a task starts.
 
         Args:
-            attempts: number of observed attempts that the file's probabilities weigh as much as; None if a
-                run does not learn probabilities.
+            attempts: number of observed attempts that have the same weight as the file's probabilities; None
+                if a run does not learn probabilities.
             entries: number in the file of each action of the network; None if the action only skips an
                 element of a repeat.
 

@@ -70,8 +70,8 @@ class Telemetry:
 def on_the_map(poses: FloatArray, located: BoolArray) -> FloatArray:
     """Return poses on the map, given poses of which some are in a local frame.
 
-    Before a robot is located on the map, its poses are in a local frame. When it is located, at rest, its
-    pose jumps to the map, which shows the local frame's pose on the map.
+    Before a robot is located on the map, its poses are in a local frame. It is located at rest, and its pose
+    then jumps into the map frame; this jump shows the local frame's pose on the map.
 
     Args:
         poses: (n, 3) x and y in [m], heading in [rad].

@@ -121,7 +121,7 @@ def place_findings(places: Loaded[Places], grid: GridMap, chart: Path) -> Iterat
     Args:
         places: the places, with their file.
         grid: the map.
-        chart: the map's file, for messages.
+        chart: path of the map's file, for messages.
     """
     for name, place in places.value.places.items():
         where = _where(place, grid)

@@ -144,7 +144,7 @@ def is_start_unknown(document: Document, names: Collection[object]) -> bool:
 
     Args:
         document: the task.
-        names: names of the task's places; a place may have the name `unknown`.
+        names: names of the task's places; if a place has the name `unknown`, this word means the place.
     """
     node, there = document.root.deepest(("knowledge", "start"))
     return there and node.content == UNKNOWN_START and UNKNOWN_START not in names

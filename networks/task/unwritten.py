@@ -13,8 +13,8 @@ from handcart.primitives.knowledge.world_model import WorldModel
 def unwritten(network: ActionNetwork, given: Collection[str]) -> Iterator[tuple[Action, str, str]]:
     """Yield actions that may start before a parameter's value in the world model is known.
 
-    An entry that the world model does not know at first has to be found out by an action on every route to
-    the action that needs it.
+    If the world model does not know an entry at first, an action on every route to the action that needs the
+    entry has to find it out.
 
     Args:
         network: the complete network.

@@ -31,8 +31,8 @@ class KeptDetails:
             folder: the run's folder.
             alive: True while the run is running.
             situation: the situation of the network that the run itself reports; None if it reports none.
-            away: function that runs slow work outside the event loop; if reading fails, its error response is
-                returned.
+            away: function that runs slow work outside the event loop; if reading fails, the error response
+                that this function returns is passed on.
         """
         written = ("journal.jsonl", EVIDENCE_PATH, ADDRESS, *RUN_PAGES)
         mark = alive, situation, *(_mark(folder / name) for name in written)
