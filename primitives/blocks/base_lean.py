@@ -39,9 +39,10 @@ def unmodelled_leans(robot: Robot, then: FloatArray, now: FloatArray) -> tuple[T
 
     The model is linear in the hand's position, but the effect of a real arm's weight is not. Mounting error
     of the sensors and slope of the floor are equal at both times, so that only the difference counts. Each
-    tilt gets half of the difference, which gives the smallest tilts that explain it. Then they are reduced by
-    their share of noise (James and Stein 1961, positive part, per axis), nearly to 0 if the model is right.
-    Both tilts are returned as poses (4, 4) of the tilted base in the frame of the base without this tilt.
+    tilt gets half of the difference, the earlier one with the opposite sign, because these are the smallest
+    tilts that explain the difference. Then they are reduced by their share of noise (James and Stein 1961,
+    positive part, per axis), nearly to 0 if the model is right. Both tilts are returned as poses (4, 4) of
+    the tilted base in the frame of the base without this tilt.
 
     Args:
         robot: robot whose suspension model is used.

@@ -32,7 +32,7 @@ MOST_TURNED = 0.002  # [rad] that the base may turn once it was found
 
 
 class Fixate(ActionPrimitive):
-    """Move the hand until a landmark is in the middle of the picture, and derive the base's error from it.
+    """Bring a landmark to the middle of the hand camera's picture, and compute the base's pose error by it.
 
     The method is that of Hatano et al. (2000), section 2.2, with corrected equations. The middle of the
     picture has the least distortion of the lens, and a closed loop tolerates errors of the arm. A landmark

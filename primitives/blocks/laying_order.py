@@ -24,7 +24,9 @@ Rectangle = tuple[tuple[float, float], tuple[float, float], float]
 
 
 def wall_findings(loaded: Loaded[Drawing]) -> Iterator[Finding]:
-    """Report parts of a drawing that cannot be built: overlapping blocks, and blocks without support."""
+    """Yield a finding for each fault that makes a drawing impossible to build: overlapping blocks, blocks
+    without support, or too few blocks in the supply.
+    """
     drawing = loaded.value
     blocks, (length, width, height) = drawing.blocks, drawing.block
     for number, block in enumerate(blocks):

@@ -84,7 +84,9 @@ class CalibrateSuspension(ActionPrimitive):
     hand: ClassVar = CARRIES_OBJECT
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
-        """Return a message unless the hand holds a block of the building plan, which is needed as a load."""
+        """Return a message if the hand does not hold a block of the building plan, which is needed as a load;
+        empty if it does.
+        """
         return unlike_block(robot, model)
 
     @override

@@ -212,8 +212,9 @@ class ActionPrimitive(FileModel, ABC):
         is called again, as often as the task allows restoring.
 
         Returns:
-            True if the motion was completed and its effect measured. With True, and after an interruption by
-                a fault of a machine or of code, the outcome is Success. In all other cases it is GiveUp.
+            True if the motion was completed and its effect measured. The outcome is Success only if the
+            result is True and a fault of a machine or of code caused the interruption; otherwise it is
+            GiveUp.
         """
         return False
         yield

@@ -14,7 +14,9 @@ class Intents:
         """Announce an effect that is about to begin, such as the fingers closing on something."""
 
     def passed(self, what: str) -> None:
-        """Announce to the journal that the running action can't be undone any more, with `what` as reason."""
+        """Announce that the running action cannot be undone any more; `what` names the step for the
+        journal.
+        """
 
     @property
     def kept(self) -> bool:

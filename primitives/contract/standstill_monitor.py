@@ -23,7 +23,8 @@ class StandstillMonitor:
         self._place, self._driven = robot.pose, 0.0
 
     def check(self) -> None:
-        """Raise `Discrepancy` if the base has not moved in `STANDSTILL_TIMEOUT_S` of being driven.
+        """Raise `Discrepancy` if the base was commanded to drive for `STANDSTILL_TIMEOUT_S`, but has not
+        moved.
 
         To be called once a period. Motion of less than `MIN_MOTION` does not count.
         """

@@ -29,8 +29,8 @@ class TrackingErrorMonitor:
         self._off = 0
 
     def check(self) -> None:
-        """Raise `Discrepancy` if a joint is off its last commands by more than the tolerance; call once a
-        period.
+        """Raise `Discrepancy` if a measured joint differs from all its latest commands by more than the
+        tolerance. To be called once a period.
         """
         arm = self._robot.backend.get(Arm)  # type: ignore[type-abstract]
         if arm is None:

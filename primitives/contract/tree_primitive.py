@@ -103,7 +103,7 @@ def ticked(root: Behaviour, now: Callable[[], float]) -> Periods:
 
     Raises:
         Discrepancy: the tree failed.
-        WallClockError: the code of one of its behaviours reads the wall clock.
+        WallClockError: the code of a behaviour in the tree reads the wall clock.
     """
     refuse_wall_clock(root.iterate())
     with robot_clock(now):

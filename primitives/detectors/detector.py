@@ -60,7 +60,7 @@ class Detector(ABC):
 
         Args:
             image: colour and depth picture.
-            camera: model of its camera.
+            camera: model of the camera that took the picture.
         """
 
 

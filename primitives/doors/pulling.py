@@ -50,7 +50,9 @@ class PullEnding(Enum):
 
 
 class Pull(NamedTuple):
-    """Result of moving a handle, with its measured path, the largest force, and why the motion ended."""
+    """Result of moving a door's handle by the hand: its measured path, the largest force, and why the motion
+    ended.
+    """
 
     path: PathFit
     ending: PullEnding

@@ -23,8 +23,9 @@ class LooksAtRest:
     def due(self, remaining: float) -> bool:
         """Return whether the base should stop for a scan now; called once a control period.
 
-        It should if the error that the drive has added to the pose has a sigma above `REST_SIGMA`, or above
-        `LAST_SIGMA` if less than `LAST_WAY` remains.
+        The result is True if the error that the drive has added to the pose has a sigma above `REST_SIGMA`,
+        or above `LAST_SIGMA` if less than `LAST_WAY` remains. It stays True until a scan at rest has removed
+        this error.
 
         Args:
             remaining: distance to the end of the drive, in [m].

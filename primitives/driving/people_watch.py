@@ -27,9 +27,7 @@ NEAR_PERSON_M = 0.3  # from a person's body, within which what was sensed is the
 
 
 class BeamOrder(NamedTuple):
-    """Order of a lidar's beams by angle, as sorted indices, and their sorted angles rounded to equal
-    spacing.
-    """
+    """Indices that sort a lidar's beams by angle, and the sorted angles, rounded to equal spacing."""
 
     order: IntArray
     angles: FloatArray
@@ -62,8 +60,9 @@ class PeopleWatch:
             explained: (n,) True for beams that end at obstacles on the map.
 
         Returns:
-            Mask (n,) of the beams that end at moving people, and discs (k, 3) that these people have left: x,
-                y and radius on the map, in [m]. A second call in a period reports no people and no discs.
+            Mask (n,) of the beams that end at moving people, and discs (k, 3) of floor that these people have
+            left, so that it is free: x, y and radius on the map, in [m]. A second call in a period reports no
+            people and no discs.
         """
         moving = np.zeros(len(ranges), dtype=np.bool_)
         if robot.time <= self._taken_at or len(ranges) < 3:

@@ -54,14 +54,14 @@ class ScanCollector:
 
     @property
     def pose(self) -> Pose2:
-        """Pose map_T_base, which is that at the last keyframe plus the wheel odometry since then."""
+        """Pose map_T_base: the pose at the last keyframe, plus the motion by wheel odometry since then."""
         return self.map.pose_of(self.odometry)
 
     def take(self, robot: Robot) -> None:
         """Update the wheel odometry, and keep this period's scan as a keyframe if one is due.
 
         A keyframe is due once the base has moved `KEYFRAME_TRAVEL_M` or turned `KEYFRAME_TURN_RAD` since the
-        last.
+        last keyframe.
 
         Raises:
             NeedsPerson: the lidar repeats its scan although the wheels roll.

@@ -24,7 +24,7 @@ MAX_START_INTRUSION_M = 0.3  # by which the base may be too near to something wh
 
 
 class StandingRoom:
-    """Test whether a robot's base and arm have room at poses of the base around a place of work."""
+    """Test whether a robot's base and arm touch nothing at poses of the base around a place of work."""
 
     def __init__(
         self,

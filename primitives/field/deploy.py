@@ -205,7 +205,7 @@ class Deploy(TreePrimitive):
 
     def base_room(self, robot: Robot, model: ModelView) -> float:
         """Return how far the base may be off its planned position so that the arm still reaches the target,
-        in [m].
+        in [m]; infinity if the target is unknown or out of reach anyway.
         """
         work = model.of(FieldWork)
         if self.target not in work.targets:
@@ -224,7 +224,8 @@ class Deploy(TreePrimitive):
         )
 
     def finish(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
-        """Open the fingers completely, feel whether the sensor is upright, and stow the arm.
+        """Open the fingers completely, and stow the arm; after a fault of the robot, first feel whether the
+        sensor is upright.
 
         Fingers that are half open would drag the sensor.
 

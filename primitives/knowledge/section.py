@@ -64,7 +64,7 @@ class NamedFiles:
             return None
 
     def wrong(self, key: str, message: str) -> None:
-        """Add a finding, placed at a key under `knowledge:` in the task's file."""
+        """Add a finding with the text `message`, placed at a key under `knowledge:` in the task's file."""
         self.findings.add(self.document.finding(("knowledge", key), message))
 
 

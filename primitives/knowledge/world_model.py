@@ -362,7 +362,7 @@ class ModelView:
         return found
 
     def redraw_moved(self) -> GridMap:
-        """Redraw the map with moved things at their measured poses; add the obstacles sensed by the lidar."""
+        """Return the map redrawn with moved things at their measured poses, and with sensed obstacles."""
         grid: GridMap = self.__dict__["_model"].redraw_moved()
         return grid
 

@@ -19,8 +19,8 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class Pushed(NamedTuple):
-    """Result of a push by the hand, with the largest force, and whether the resistance was above
-    the limit.
+    """Result of a push by the hand: the largest force, and whether a resistance above the limit has stopped
+    it.
     """
 
     met: bool
@@ -76,7 +76,7 @@ def push(
 
 
 def relax(robot: Robot) -> Generator[None, None, None]:
-    """Command the arm to its measured joints, so that it no longer presses."""
+    """Command the arm to its measured joints, so that the hand no longer presses on its surroundings."""
     yield from hold_measured(robot)
 
 

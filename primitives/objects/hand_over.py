@@ -50,8 +50,8 @@ UPRIGHT_TOLERANCE_RAD = math.radians(15.0)
 
 
 class HeldPhase(Enum):
-    """State of an object during the hand-over to a person, which is carried, offered to the person, or
-    released by the fingers.
+    """Phase of the hand-over of an object to a person: carried, offered to the person, or released by the
+    fingers.
     """
 
     CARRIED = "carried"

@@ -9,7 +9,7 @@ from .causes import UNNAMED
 
 
 class Measured(NamedTuple):
-    """Reading that decided an outcome, with its limit."""
+    """Sensor reading that decided the outcome of an action, with the limit that it was compared with."""
 
     sensor: str
     """Capability of the reading: RangeSensor, Camera, Arm ..."""

@@ -13,7 +13,9 @@ from .drawn_map import DrawnMap
 
 @dataclass
 class Evidence:
-    """Evidence that a primitive collects during its motion, and that is written into the run's folder."""
+    """Evidence (facts, pictures, scans and causes) that a primitive collects during its motion for the run's
+    folder.
+    """
 
     facts: dict[str, float | str] = field(default_factory=dict)
     """Figures and texts; names include the unit."""

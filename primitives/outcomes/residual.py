@@ -48,7 +48,7 @@ class ResidualKind(Enum):
 
 @dataclass(frozen=True)
 class Residual:
-    """Difference of one measured quantity between two states of the robot, with its limit."""
+    """Difference of one measured quantity between two states of the robot, with the largest allowed value."""
 
     kind: ResidualKind
     value: float
@@ -67,7 +67,9 @@ class Residual:
 
     @property
     def is_within(self) -> bool:
-        """True if the value is within its limit; an unknown value (NaN) is not."""
+        """True if the value is within its limit, or if the limit is unknown (None); False for an unknown
+        value (NaN).
+        """
         return self.limit is None or self.value <= self.limit
 
     @property
@@ -165,7 +167,7 @@ def read_residuals(values: Mapping[str, float | None], limits: Mapping[str, floa
 
     Args:
         values: label to value; None means infinity, which JSON does not have.
-        limits: label to limit; missing in journals of older versions.
+        limits: label to limit; empty for journals of older versions, which have no limits.
     """
     return Residuals(
         Residual.from_label(label, math.inf if value is None else float(value), limits.get(label))

@@ -32,7 +32,7 @@ def renew_arm(robot: Robot, moment: Moment) -> bool:
 
 
 def hold_measured(robot: Robot) -> Generator[None, None, None]:
-    """Command the arm to its measured joints, so that it no longer presses."""
+    """Command the arm to its measured joints, so that the hand no longer presses on its surroundings."""
     yield from _step_evenly(robot, robot.arm_model.clipped(robot.arm.joints()))
 
 

@@ -32,7 +32,9 @@ Seen = Mapping[str, tuple[float, ...]]
 
 @dataclass(frozen=True)
 class Snapshot:
-    """Measured state of the robot at rest, for a later comparison with another state."""
+    """Measured state of the robot at rest (base, arm, gripper, seen objects), for comparison with a later
+    state.
+    """
 
     pose: Pose2
     """map_T_base."""

@@ -17,7 +17,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 
 class Moment(NamedTuple):
-    """State of the robot in one period: base, arm and gripper."""
+    """State of the robot in one period: pose of the base, and commands of arm and gripper."""
 
     pose: Pose2
     """map_T_base as estimated."""
@@ -70,7 +70,8 @@ class Trace:
     def left_after(self, back: Trace) -> Trace:
         """Return the trace that still has to be retraced if a motion back along this trace ended early.
 
-        It is the rest of this trace, and after it the part of the motion back that left this trace.
+        The result is the part of this trace that was not retraced, followed by the part of the motion back
+        that deviated from this trace.
 
         Args:
             back: record of the motion back.

@@ -89,7 +89,8 @@ class Divide(ActionPrimitive):
         return work.next is not None and not room.blocked(_way(work.next)).any()
 
     def divided(self, placer: Placer, rest: ToolPath, room: StandingRoom) -> Placements:
-        """Return the rest of a seam, divided among places of the base.
+        """Return a division of the rest of a seam into parts, each with the base pose from which it is
+        tracked.
 
         Args:
             placer: planner of base poses for the robot.

@@ -16,12 +16,12 @@ FREE_TURNS = {"nothing": FreeTurn.NONE, "azimuth": FreeTurn.VERTICAL, "roll": Fr
 
 
 def work_of(spec: RobotFile, speed: float | None = None) -> Work:
-    """Return speed, force and tolerance of the robot's tool along a path, and the turn of the tool that the
-    path leaves free.
+    """Return the speed and force with which the robot's tool follows a path, the axis about which the tool
+    may turn freely, and the tolerance of that turn.
 
     Args:
         spec: robot's file, with the tool.
-        speed: speed of the tool, in [m/s]; None: that of the file.
+        speed: speed of the tool, in [m/s]; None: the speed in the robot's file.
 
     Raises:
         Discrepancy: the robot has no tool.
@@ -38,7 +38,7 @@ def placer_of(spec: RobotFile, speed: float | None = None) -> Placer:
 
     Args:
         spec: robot's file.
-        speed: speed of the tool, in [m/s]; None: that of the file.
+        speed: speed of the tool, in [m/s]; None: the speed in the robot's file.
 
     Raises:
         Discrepancy: arm or tool cannot do the work.

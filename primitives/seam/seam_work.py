@@ -8,7 +8,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 
 
 class DrivesTo(NamedTuple):
-    """Place and pose at which the straight drive of a base along a seam ends."""
+    """Place (by name) and pose at which the straight drive of a base along a seam ends."""
 
     place: str
     """Name of the place there."""

@@ -37,7 +37,9 @@ class ThingBody:
         self.id = engine.add_thing(self.form())
 
     def form(self) -> ThingForm:
-        """Return the description of the body for a physics engine."""
+        """Return the description of the body for a physics engine: pose, mass, shapes, friction and
+        textures.
+        """
         return ThingForm(
             self.thing.pose @ self.thing.thing_T_middle,
             self.thing.size,

@@ -191,7 +191,7 @@ class SimulatedGripper(CommandedGripper):
 
     @abstractmethod
     def true_width(self) -> float:
-        """Return the true opening, in [m]."""
+        """Return the true opening of the fingers, in [m], without the noise of the measurement."""
 
     @override
     def width(self) -> float:

@@ -87,8 +87,7 @@ class Push(NamedTuple):
 
 
 def members(books: BooksThere, shelf: SimulatedShelf, without: Thing | None) -> list[Member]:
-    """Return what is in a shelf's row from right to left: side panels, book end and books, each as a
-    `Member`.
+    """Return the members of a shelf's row from right to left: side panels, book end and books.
 
     Args:
         books: books and shelves of the scene.

@@ -44,7 +44,7 @@ def stow(
         hand_T_object: (4, 4) pose of the held object.
 
     Raises:
-        Discrepancy: no such posture is found, or no free path leads to it.
+        Discrepancy: no posture within the outline is found, or no free path leads to it.
     """
     if kind is None or hand_T_object is None:
         yield from move_with_room(robot, model, np.array(robot.spec.posture("home")))

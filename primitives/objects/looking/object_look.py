@@ -74,7 +74,8 @@ class ObjectLook:
     def picture(
         self, robot: Robot, model: ModelView, evidence: Evidence, name: str
     ) -> Generator[None, None, None]:
-        """Wait for rest, take pictures from the current view, and add what is read in them.
+        """Wait for rest, take pictures from the current view, and add the tags and depths read in them to
+        this look.
 
         Args:
             robot: robot whose camera has the view.

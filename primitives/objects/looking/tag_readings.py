@@ -94,13 +94,13 @@ class Located(NamedTuple):
 
 
 class NotUpright(NamedTuple):
-    """An object that is not upright on the surface, with the reason."""
+    """Result of `locate` for an object that is not upright on the surface, with the reason."""
 
     reason: str
 
 
 class SeenTwice(NamedTuple):
-    """Error result for two tags of the same object that were read at places too far apart for one object."""
+    """Result of `locate` if two tags of the same object were read at places too far apart for one object."""
 
     apart: float
     """Distance between them, in [m]."""
