@@ -23,8 +23,8 @@ weight.
 class PhysicsHolonomicBase(CommandedHolonomicBase):
     """Base in a physics engine that drives in any direction, such as on mecanum wheels.
 
-    Its wheels are not simulated: it slides without friction on the floor, and a simulated drive pushes it in
-    x, y and heading.
+    The base slides without friction on the floor, and a simulated planar drive pushes it in x, y and heading.
+    The wheels turn as commanded, but do not move the base.
     """
 
     def __init__(self, robot: RobotFile, body: RobotBody, chunk: float, seed: int) -> None:
@@ -72,9 +72,10 @@ class PhysicsHolonomicBase(CommandedHolonomicBase):
         self._given += turn
 
     def act(self) -> None:
-        """Turn the simulated wheels at the base's speeds; called at each part of a period that is simulated.
+        """Turn the simulated wheels at the commanded speeds; called for each part of a control period.
 
-        Only the wheels' encoders depend on this; the base itself is moved without wheels.
+        This changes only the wheels' angles: the planar drive moves the base, and the encoders follow the
+        commands.
         """
         self.drives.follow()
 

@@ -39,7 +39,7 @@ def passing_pairs(urdf: str, still: Collection[str]) -> Iterator[Pair]:
 
 
 def floor_T_body_links(urdf: str, rolling: Collection[str]) -> dict[str, Transform]:
-    """Return the poses floor_T_link (4, 4), by name, of the links that no moving joint connects to the base.
+    """Return the poses floor_T_link (4, 4), by name, of all links that are rigidly connected to the base.
 
     Links in `rolling` are left out.
 
