@@ -41,7 +41,8 @@ class Coordinator:
     The caller iterates the generator that `run` returns and, after each `yield`, steps the robot by one
     period; while `life.paused` is true, the robot's time does not pass. Every decision is written to the
     journal before it is acted on. Actions that failed, were refused or could not be started are counted.
-    These counts never decrease, so that every run ends within `network.bound()` actions.
+    These counts never decrease, except when a new round of a repeated task begins, so that every round ends
+    within `network.bound()` actions; a task that is not repeated is one round.
     """
 
     def __init__(

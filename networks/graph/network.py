@@ -301,7 +301,7 @@ class ActionNetwork:
         return {action.index: tuple(counters) for action, counters in named if counters}
 
     def bound(self) -> int:
-        """Return an upper bound of the number of actions that any run starts: (A + 1)(V - 1) + A.
+        """Return an upper bound of the number of actions that a run (or round) starts: (A + 1)(V - 1) + A.
 
         V is the number of situations, A that of all attempts with renewals. Between two counted attempts a
         run visits no situation twice. If a run may go in circles, has interrupts, or has another policy than
