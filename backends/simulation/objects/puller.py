@@ -17,7 +17,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 from .pull_spec import PullSpec
 
-OUTSIDE_M = 0.03  # that a hand which holds something out is beyond the robot's outline
+OUTSIDE_M = 0.03  # that an object which is held out is beyond the robot's outline
 STILL_M = 0.002  # a hand that moves less in a period is at rest
 UP_AXIS = np.array([0.0, 0.0, 1.0])
 NO_FORCE = np.zeros(3)
@@ -124,7 +124,8 @@ class Puller:
         before = self.held_out
         if before is not None and math.dist(before.hand, (x, y, z)) < STILL_M:
             return
-        beside = (inverse(scene.world_T_base) @ (x, y, z, 1.0))[None, :2]
+        foot = scene.world_T("hand") @ scene.hand_T_held[:, 3]
+        beside = (inverse(scene.world_T_base) @ foot)[None, :2]
         is_outside = float(scene.robot.footprint_shape.distances(beside)[0]) > OUTSIDE_M
         self.held_out = OfferingHand((x, y, z), scene.time) if is_outside else None
 

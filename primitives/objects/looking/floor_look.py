@@ -9,12 +9,15 @@ import numpy as np
 
 from handcart.backends.robot.fresh_pictures import Photo
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.driving.driving import map_with_cells
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.objects.knowledge.objects import Objects
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Measured, NeedsPerson
 from handcart.primitives.outcomes.evidence import Evidence
 from handcart.primitives.restoring.snapshot import settle
+from handcart.robotics.navigation.maps.clearances import Clearances
+from handcart.robotics.navigation.maps.map_window import window_around
 from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.objects.plain_patch import edge_share, is_plain
 
@@ -27,8 +30,11 @@ FloorSeen = Literal["free", "not seen", "no tag seen"]
 VIEW_DISTANCES_M = (0.8, 0.85, 0.7, 0.9, 0.6)
 FALLEN_M = 0.25  # below where it was released, an object fell
 PATCH_HALF_M, TILE_M = 0.225, 0.15  # of the floor around where it would fall
-OWN_MARGIN_M = 0.10  # of the floor beside the robot and known surfaces, that they may hide
-MIN_SEEN_SHARE = 0.6  # of the patch
+STEPS_M = np.arange(-PATCH_HALF_M + TILE_M / 2, PATCH_HALF_M, TILE_M)  # to the middles of its parts
+WINDOW_HALF_M = 0.6  # of the map around it
+OWN_MARGIN_M = 0.10  # of the floor beside the robot, known surfaces and walls, that they may hide
+MIN_SEEN_SHARE = 0.6  # of the parts of the patch that can be judged
+MIN_JUDGED_SHARE = 0.5  # of all parts of the patch
 
 
 def look_at_floor(
@@ -90,23 +96,33 @@ def _checked_free(robot: Robot, model: ModelView, photo: Photo, name: str, below
             seen = Measured("Camera", "share of edges on the floor", share, 0.0)
             raise NeedsPerson(f"something lies below the hand: {name} fell", seen, cause=causes.SLIPPED)
     known = sum(share is not None for share in shares)
-    return "free" if tiles and known >= MIN_SEEN_SHARE * len(tiles) else "not seen"
+    is_enough = len(tiles) >= MIN_JUDGED_SHARE * len(STEPS_M) ** 2 and known >= MIN_SEEN_SHARE * len(tiles)
+    return "free" if is_enough else "not seen"
 
 
 def _tiles(robot: Robot, model: ModelView, below: FloatArray) -> Iterator[FloatArray]:
     """Yield the corners (4, 3) of parts of the floor around a point (3,), both in the base frame in [m].
 
-    Parts that the robot or a surface may hide are left out.
+    Parts that the robot, a surface or an obstacle on the map or sensed by the lidar may hide are left out:
+    there, edges are no sign of the object.
     """
     surfaces = model.of(Objects).objects.surfaces.values()
-    steps = np.arange(-PATCH_HALF_M + TILE_M / 2, PATCH_HALF_M, TILE_M)
+    middle = robot.pose.apply(below[None, :2])[0]
+    window = window_around(map_with_cells(model), *middle.tolist(), WINDOW_HALF_M)
+    obstacles = Clearances(window, window.blocked)
     square = 0.5 * TILE_M * np.array([[1, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0]])
-    for x, y in ((below[0] + dx, below[1] + dy) for dx in steps for dy in steps):
+    for x, y in ((below[0] + dx, below[1] + dy) for dx in STEPS_M for dy in STEPS_M):
         corners = square + np.array([x, y, 0.0])
         beside = robot.spec.footprint_shape.distances(corners[:, :2]).min()
         on_map = robot.pose.apply(corners[:, :2])
         onto = max(
             (surface.margin(*corner) for surface in surfaces for corner in on_map.tolist()), default=-1.0
         )
-        if beside > OWN_MARGIN_M and onto < -OWN_MARGIN_M:
+        if beside > OWN_MARGIN_M and onto < -OWN_MARGIN_M and _is_mapped_free(obstacles, on_map):
             yield corners
+
+
+def _is_mapped_free(obstacles: Clearances, corners: FloatArray) -> bool:
+    """Return whether a part of the floor with corners (4, 2) on the map, in [m], is away from obstacles."""
+    points = np.vstack([corners, corners.mean(axis=0)])
+    return bool(obstacles.at(points).min() > OWN_MARGIN_M)
