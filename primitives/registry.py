@@ -12,7 +12,7 @@ from handcart.tasks.domain import domains
 PRIMITIVES_GROUP = "handcart.primitives"
 GENERAL_PRIMITIVES = {
     "MOVE_TO": "handcart.primitives.driving.move_to:MoveTo",
-    "EXPLORE": "handcart.primitives.driving.explore:Explore",
+    "EXPLORE": "handcart.primitives.driving.exploring.explore:Explore",
     "LOCATE": "handcart.primitives.driving.locate:Locate",
     "MODIFY": "handcart.primitives.driving.modify:Modify",
     "ORIENT": "handcart.primitives.driving.orient:Orient",

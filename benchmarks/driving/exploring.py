@@ -21,7 +21,7 @@ from handcart.evaluation.judging.map_survey import compare_with_world
 from handcart.evaluation.judging.survey import SurveyedRun, simulated_world
 from handcart.evaluation.judging.surveys import Surveys
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
-from handcart.primitives.driving.explore import Explore
+from handcart.primitives.driving.exploring.explore import Explore
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .building import make_building, write_building

@@ -107,8 +107,8 @@ def _tiles(robot: Robot, model: ModelView, below: FloatArray) -> Iterator[FloatA
     there, edges are no sign of the object.
     """
     surfaces = model.of(Objects).objects.surfaces.values()
-    middle = robot.pose.apply(below[None, :2])[0]
-    window = window_around(map_with_cells(model), *middle.tolist(), WINDOW_HALF_M)
+    map_x, map_y = robot.pose.apply(below[None, :2])[0].tolist()
+    window = window_around(map_with_cells(model), map_x, map_y, WINDOW_HALF_M)
     obstacles = Clearances(window, window.blocked)
     square = 0.5 * TILE_M * np.array([[1, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0]])
     for x, y in ((below[0] + dx, below[1] + dy) for dx in STEPS_M for dy in STEPS_M):

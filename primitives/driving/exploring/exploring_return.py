@@ -8,6 +8,7 @@ import numpy as np
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
+from handcart.primitives.driving.scan_collector import ScanCollector
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
@@ -22,7 +23,6 @@ from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
 
 from .exploring_drive import START_NAME, ExploringDrive
 from .exploring_look import ExploringLook
-from .scan_collector import ScanCollector
 
 WAIT_S = 30.0  # for a passer-by on the way back
 CLOSE_M = 0.4  # of the start, from where no route is planned

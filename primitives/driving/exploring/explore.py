@@ -14,6 +14,8 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.driving.lidar_watch import LidarWatch
+from handcart.primitives.driving.scan_collector import ScanCollector
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
@@ -28,8 +30,6 @@ from .exploring_drive import GOAL_NAME, ExploringDrive, looking_at
 from .exploring_look import ExploringLook, FrontierGoal, FrontierLook
 from .exploring_return import drive_to_start
 from .exploring_turn import turn_by
-from .lidar_watch import LidarWatch
-from .scan_collector import ScanCollector
 
 ALL_AROUND_RAD = math.radians(300.0)  # of view, from where turning on the spot shows nothing new
 TURN_STEPS = 3  # of a full turn

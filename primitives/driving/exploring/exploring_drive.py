@@ -8,12 +8,11 @@ import numpy as np
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
+from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
-
-from .move_to import MoveTo
 
 NEAR_M, NEAR_RAD = 0.25, math.radians(30.0)  # of a place to look from: near enough
 VIEW_TOLERANCE_MM, VIEW_TOLERANCE_DEG = 400.0, 30.0

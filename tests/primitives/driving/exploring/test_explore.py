@@ -13,7 +13,7 @@ from benchmarks.driving.cluttered_robot import write_robot
 from handcart.evaluation.judging.map_survey import MapFigures, compare_with_world
 from handcart.evaluation.judging.survey import SurveyedRun, simulated_world
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
-from handcart.primitives.driving.explore import Explore
+from handcart.primitives.driving.exploring.explore import Explore
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
