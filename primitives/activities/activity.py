@@ -37,7 +37,7 @@ class ActivityFile(FileModel):
 
 @dataclass
 class Activity(Section):
-    """World model section with the household activity that the task has to achieve."""
+    """World model section with the household activity (goal of BEHAVIOR-1K) that the task has to achieve."""
 
     FILES: ClassVar = {"activity": ActivityFile}
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class Fixed(NamedTuple):
-    """Fixation, which is a measurement of the base's pose at a landmark."""
+    """Fixation: measured pose of the base at a landmark, with the state of the robot at the measurement."""
 
     landmark: str
     place: str
@@ -65,7 +65,7 @@ class Placed(NamedTuple):
 @dataclass
 class Blocks(Section):
     """World model section for stacking blocks, with the building plan, the blocks placed so far, and the
-    base's pose by a landmark.
+    base's pose measured at a landmark.
     """
 
     FILES: ClassVar = {"building": Building}

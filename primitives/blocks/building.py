@@ -36,7 +36,7 @@ class BlockPlace(LevelPose):
 
 
 class BoardPlan(LevelPose, BoardLayout):
-    """A calibration board, with its pose on the map to within a few centimetres."""
+    """Calibration board with its layout, and its pose on the map, known to within a few centimetres."""
 
     square_mm: Positive = 20.0
 
@@ -80,7 +80,7 @@ class Building(FileModel):
 
     @property
     def numbers(self) -> range:
-        """Return the numbers of the blocks, from 1."""
+        """Return the numbers of all blocks of the plan, counted from 1."""
         return range(1, max(len(self.supply), len(self.carried), len(self.goals)) + 1)
 
     def seat(self, number: int) -> LevelPose:

@@ -59,7 +59,7 @@ class DrawnBlock(NamedTuple):
 
     @property
     def words(self) -> str:
-        """Name of the block in messages, as text."""
+        """Name of the block in messages, such as "block 2 of row 1"."""
         return f"block {self.column + 1} of row {self.row + 1}"
 
 

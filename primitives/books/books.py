@@ -15,7 +15,7 @@ NO_BOOKS = Catalogue(format="handcart-catalogue/1", books=())
 
 
 class Slot(NamedTuple):
-    """Gap in a row of books into which a book is to be inserted, in the frame of the shelf."""
+    """Gap in a row of books for the book to insert: its sides in the shelf frame, and its neighbours."""
 
     shelf: str
     """Name of the place with the shelf."""

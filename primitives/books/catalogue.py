@@ -14,7 +14,7 @@ Positive = Annotated[float, Field(gt=0.0)]
 
 
 class Book(FileModel):
-    """A book in the catalogue, with its tag, label, dimensions and place."""
+    """Book in the library's catalogue, with the number of its tag, call number, title, size and shelf."""
 
     accession: Annotated[int, Field(ge=0)]
     """Number of its tag."""
@@ -45,7 +45,7 @@ class Catalogue(FileModel):
 
     @cached_property
     def by_accession(self) -> dict[int, Book]:
-        """The books by the number of their tag."""
+        """Books of the catalogue, by the number that each book's tag encodes."""
         return {book.accession: book for book in self.books}
 
 

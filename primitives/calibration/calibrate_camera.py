@@ -44,7 +44,7 @@ USUAL_WIDTH = 0.18  # [m] of the board that `board_views` looks at
 
 
 class CalibrationResult(NamedTuple):
-    """Result of a calibration: intrinsics and pose of the camera, with their accuracy."""
+    """Result of a calibration: intrinsics of the camera and its pose on the hand, with their accuracy."""
 
     camera: CameraCalibration
     hand_eye: HandEyeCalibration

@@ -30,8 +30,8 @@ LANDMARK_DEPTH_TOLERANCE_M = 0.06  # by which it may be nearer or farther than p
 
 
 class Seen(NamedTuple):
-    """One sighting of a landmark by the camera, with the hand's pose at the time, from the measured
-    joints.
+    """One sighting of a landmark by the hand's camera, with the pose of the hand from the measured joints,
+    and that of the landmark from the picture.
     """
 
     landmark: Landmark

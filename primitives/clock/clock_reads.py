@@ -42,7 +42,7 @@ def is_clock(value: Any) -> bool:
 
 
 def codes_of(code: CodeType) -> Iterator[CodeType]:
-    """Yield a code object and those nested in it."""
+    """Yield a code object of Python, and all code objects nested in it, such as those of inner functions."""
     yield code
     for constant in code.co_consts:
         if isinstance(constant, CodeType):

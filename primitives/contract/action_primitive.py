@@ -90,7 +90,7 @@ class ActionPrimitive(FileModel, ABC):
 
     @classmethod
     def label(cls) -> str:
-        """Return the name in task files: `MoveTo` is MOVE_TO."""
+        """Return the primitive's name in task files; for example, the class `MoveTo` is MOVE_TO."""
         return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).upper()
 
     @classmethod

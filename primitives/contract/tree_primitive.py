@@ -69,7 +69,9 @@ class GeneratorBehaviour(Behaviour):
         self._periods = self._factory()
 
     def update(self) -> Status:
-        """Run the generator for one period, and return the status."""
+        """Run the generator for one period, and return RUNNING, or the leaf's final status if it has
+        ended.
+        """
         if self._periods is None:
             return Status.INVALID
         try:
@@ -79,7 +81,9 @@ class GeneratorBehaviour(Behaviour):
         return Status.RUNNING
 
     def terminate(self, new_status: Status) -> None:
-        """Close the generator: its `finally` blocks run now, not when memory is cleaned up."""
+        """Close the generator when the leaf ends, so that its `finally` blocks run at once. `new_status` is
+        the leaf's status from now on.
+        """
         if self._periods is not None and new_status != Status.RUNNING:
             self._periods.close()
             self._periods = None

@@ -24,7 +24,9 @@ MAX_SHOWN = 200  # characters of a detector's own message
 
 
 class Detection(NamedTuple):
-    """An object that a detector found in a picture."""
+    """Object that a detector found in a picture: its kind, and its pose in the camera's frame with
+    covariance.
+    """
 
     kind: str
     """Name of the kind in the file of objects."""

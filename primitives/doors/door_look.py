@@ -39,7 +39,7 @@ MAX_RMS_PX = 2.0
 
 
 class LocatedHandle(NamedTuple):
-    """Pose of a handle, measured by the tags next to it."""
+    """Pose of a door's handle in the base frame, measured by the tags next to it, with its covariance."""
 
     base_T_handle: Transform
     """Pose (4, 4) of the handle in the base frame."""

@@ -28,7 +28,9 @@ NOTHING_KNOWN = DoorsFile(format="handcart-doors/1", doors={})
 
 
 class MeasuredHinge(NamedTuple):
-    """Axis of a door on the map, measured while its handle was moved."""
+    """Vertical axis of a hinged door on the map, and its distance from the handle, measured while the door
+    moved.
+    """
 
     x: float
     y: float

@@ -38,7 +38,7 @@ STRAIGHT_STEP_M = 0.01
 
 
 class PlannedHandle(NamedTuple):
-    """Planned grasp of a handle, with the share of the door's path that the arm can follow."""
+    """Planned grasp of a door's handle, with the share of the handle's path that the arm can follow."""
 
     before: FloatArray
     """(n,) joints where the hand lines up, in [rad] or [m]."""

@@ -49,7 +49,7 @@ class ScanCollector:
 
     @property
     def odometry(self) -> Pose2:
-        """Pose odom_T_base by wheel odometry."""
+        """Pose odom_T_base of the base by wheel odometry alone, since the start of the collection."""
         return self._wheels.pose
 
     @property

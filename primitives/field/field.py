@@ -17,14 +17,14 @@ Positive = Annotated[float, Limited(gt=0.0)]
 
 
 class Origin(FileModel):
-    """Position of the field's origin on the Earth (WGS 84)."""
+    """Latitude and longitude of the field's origin on the Earth, in [deg] (WGS 84)."""
 
     latitude_deg: Annotated[float, Limited(ge=-90.0, le=90.0)]
     longitude_deg: Annotated[float, Limited(ge=-180.0, le=180.0)]
 
 
 class Rock(FileModel):
-    """Obstacle in the field, as a disc on the ground."""
+    """Known obstacle in the field, described as a disc on the ground by middle and radius."""
 
     x_m: float
     y_m: float

@@ -96,7 +96,7 @@ class SensorArm:
             )
 
     def place_of(self, point: FloatArray) -> FloatArray:
-        """Return a point on the ground in the arm's own frame, (2,) in [m].
+        """Convert a point on the ground to the arm's own frame; return x and y (2,), in [m].
 
         The conversion uses the estimated pose and tilt of the base.
 
@@ -109,7 +109,7 @@ class SensorArm:
         )
 
     def place_beside(self, point: FloatArray) -> FloatArray:
-        """Return a point of the base frame in the arm's own frame, (2,) in [m].
+        """Convert a point from the base frame to the arm's own frame; return x and y (2,), in [m].
 
         Args:
             point: (2,) in the base frame, in [m].

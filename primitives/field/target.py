@@ -16,7 +16,9 @@ TargetName = Annotated[str, Field(min_length=1), Names("targets")]
 
 
 class Target(NamedTuple):
-    """Place on the ground where a sensor is to be laid, in the field's frame."""
+    """Point on the ground where a sensor is to be laid, in the field's frame, and the pose of the base for
+    it.
+    """
 
     name: str
     x: float
@@ -31,7 +33,9 @@ class Target(NamedTuple):
 
 
 class Laid(NamedTuple):
-    """Sensor that was released, with its estimated position in the field's frame."""
+    """Sensor that was released on the ground, with its estimated position in the field's frame and
+    covariance.
+    """
 
     name: str
     x: float

@@ -211,7 +211,7 @@ class WorldModel:
             section.forget_element()
 
     def view(self, primitive: Declares) -> ModelView:
-        """Return the model restricted to the entries that a primitive declares to read or write."""
+        """Return a view of the model that gives access only to the entries that a primitive declares."""
         return ModelView(self, primitive)
 
     def companion(self, robot: Robot, place: str) -> Companion | None:

@@ -110,8 +110,8 @@ class Pick(ActionPrimitive):
         return "" if seen is not None else f"{self.object} wasn't seen yet; LOOK_FOR finds it"
 
     def observe(self, robot: Robot, model: ModelView) -> Generator[None, None, Seen]:
-        """Measure the object's pose in the base frame; the returned mapping is empty if the object isn't
-        seen.
+        """Return the measured position of the object in the base frame, in [m], by the object's name; empty
+        if the object is not seen.
         """
         objects = model.of(Objects)
         seen = objects.seen(self.object) or next(

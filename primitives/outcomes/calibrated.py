@@ -7,7 +7,9 @@ from typing import NamedTuple
 
 
 class Calibrated(NamedTuple):
-    """Calibrated value of a parameter of the robot's file; the parameter's key ends with the unit."""
+    """Calibrated value of a parameter of the robot's file, with sigma; the unit ends its key, as in
+    `focal_px`.
+    """
 
     value: float | tuple[float, ...]
     sigma: float | tuple[float, ...]

@@ -60,7 +60,7 @@ class Residual:
 
     @property
     def label(self) -> str:
-        """Label in journals and messages: `base_mm`, `object cup mm`."""
+        """Label of the quantity in journals and messages, such as `base_mm` or `object cup mm`."""
         if self.kind is ResidualKind.OBJECT:
             return self.name.join(_OBJECT_LABEL)
         return self.name if self.kind is ResidualKind.OTHER else self.kind.value

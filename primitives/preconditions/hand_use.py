@@ -7,7 +7,9 @@ from typing import NamedTuple
 
 
 class Hand(Enum):
-    """Content of the hand, as a primitive requires it at its start or leaves it at its end."""
+    """Content of the hand that a primitive requires at its start or leaves at its end, such as empty or
+    full.
+    """
 
     EMPTY = "empty"
     FULL = "full"

@@ -88,7 +88,7 @@ class Trace:
         return left
 
     def record(self) -> None:
-        """Record the robot's state in this period."""
+        """Append the robot's state in this period (base, arm and gripper) to the record."""
         arm = self._robot.backend.get(Arm)  # type: ignore[type-abstract]
         gripper = self._robot.backend.get(Gripper)  # type: ignore[type-abstract]
         joints = arm.command().copy() if arm else np.empty(0)

@@ -145,7 +145,7 @@ class MujocoBody(RobotBody):
             body = body.parent
 
     def looks(self) -> list[PartLook]:
-        """Return the appearance of the robot's links, for rendering."""
+        """Return form, place and colour of the visual shapes of the robot's links, for rendering."""
         return robot_looks(partial(read_robot, self._urdf))
 
     # Readings of the body

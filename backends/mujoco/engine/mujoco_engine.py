@@ -68,7 +68,7 @@ class MujocoEngine(Engine):
 
     @property
     def model(self) -> Any:
-        """MuJoCo's model of the robot and all bodies, compiled if needed."""
+        """MuJoCo's `MjModel` of the robot and all bodies of the world, compiled if needed."""
         return self._grown.both()[0]
 
     @property

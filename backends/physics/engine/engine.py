@@ -52,7 +52,9 @@ class Touching(NamedTuple):
 
 
 class ContactPoint(NamedTuple):
-    """Point at which a body presses against another body, with the normal and the force there."""
+    """Point at which another body presses against a body, with the normal towards that body and the force on
+    it.
+    """
 
     link: int
     """Link of the body."""

@@ -16,7 +16,9 @@ UPPER, LOWER = 4, 5  # numbers of the faces +z and -z
 
 
 class FormMesh(NamedTuple):
-    """Mesh of n quadrilaterals, their corners counter-clockwise as seen from outside."""
+    """Mesh of n quadrilaterals with normals and texture coordinates; corners counter-clockwise seen from
+    outside.
+    """
 
     corners: FloatArray
     """Corners (n, 4, 3) in [m], around the middle of the form."""

@@ -17,7 +17,7 @@ from .block import Block, BlockSpec
 
 
 class BlocksSection(FileModel):
-    """Section of a world's file that describes blocks."""
+    """Section of a world's file with the blocks that a person puts down before a run."""
 
     blocks: tuple[BlockSpec, ...] = ()
 

@@ -68,7 +68,9 @@ class _Links(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """The deepest overlap of a body of the robot with another body."""
+    """Deepest overlap of a part of the robot with another body: the names of both, depth, direction and
+    point.
+    """
 
     depth: float
     """Depth of the overlap, in [m]."""

@@ -40,7 +40,9 @@ class RigidBody(NamedTuple):
 
 
 class Meeting(NamedTuple):
-    """Depth, direction and point of the overlap of two bodies."""
+    """Overlap of two bodies: its depth, the direction in which the first body leaves the other, and a
+    point.
+    """
 
     depth: float
     """Depth of the overlap, in [m]; 0 if they don't touch."""

@@ -203,7 +203,7 @@ class SimulatedGripper(CommandedGripper):
         return self._pressing
 
     def halt(self) -> None:
-        """Hold: pressing fingers continue to press, moving fingers stop."""
+        """Stop the fingers if they move; fingers that press on something continue to press."""
         if not self._pressing:
             self._command = min(max(0.0, self.true_width()), self._spec.opening_mm / 1e3)
 

@@ -47,7 +47,7 @@ class SimulatedBook(Thing):
 
     @property
     def accession(self) -> int:
-        """Accession number of the book, which its tag encodes."""
+        """Accession number of the book (its number in the library), which its tag encodes."""
         return self.spec.accession
 
     @cached_property

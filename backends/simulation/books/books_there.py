@@ -120,5 +120,5 @@ class BooksThere(Props[BooksSection]):
         return sorted(standing, key=lambda item: -item.lateral)
 
     def tray_book(self) -> SimulatedBook | None:
-        """Return the book on the tray, or None."""
+        """Return the book on the robot's tray; None if the tray holds no book."""
         return next((book for book in self.books.values() if book.rest is Rest.TRAY), None)

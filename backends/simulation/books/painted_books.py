@@ -237,9 +237,10 @@ def _part(canvas: Canvas, book: SimulatedBook, span: tuple[float, float], light:
 
 @lru_cache(maxsize=512)
 def spine_levels(spec: BookSpec) -> list[tuple[ByteArray, float]]:
-    """Return grey pictures (h, w) of a book's spine, each of half the resolution of the previous picture.
+    """Return grey pictures (h, w) of a book's spine, the first one at full resolution, each further one at
+    half the resolution of the one before.
 
-    Each picture is followed by the size of its pixels, in [m].
+    Each item of the list is a picture and the size of its pixels, in [m].
     """
     shown = None if spec.tag == "none" else spec.accession
     picture = draw_spine(

@@ -73,7 +73,7 @@ class ObjectSpec(FileModel):
 
 
 class GapSpec(FileModel):
-    """Description of a free slot in a row of books, in a world's file."""
+    """Free slot in a row of books, given by its width in a world's file."""
 
     gap_mm: Annotated[float, Field(gt=0.0, le=1000.0)]
 
@@ -106,7 +106,9 @@ class ShelfSpec(FloorPose):
 
 
 class BooksSection(FileModel):
-    """Keys of a world's file that are about books."""
+    """Section of a world's file with shelves, the book on the robot's tray, and books that a person hands
+    over.
+    """
 
     shelves: tuple[ShelfSpec, ...] = ()
     tray: BookSpec | None = None

@@ -25,6 +25,6 @@ class MarkSpec(FloorPose):
 
 
 class MarksSection(FileModel):
-    """Key of a world's file that lists printed sheets, such as landmarks and calibration boards."""
+    """Section of a world's file that lists printed sheets, such as landmarks and calibration boards."""
 
     marks: tuple[MarkSpec, ...] = ()

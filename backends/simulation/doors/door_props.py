@@ -20,7 +20,7 @@ from .spec import DoorsSection
 
 
 class DoorProps(Props[DoorsSection]):
-    """Doors by their names in the world's file, each a front and a handle on one joint."""
+    """Doors and drawers of a simulated world by name, each a front and a handle on one hinge or slide."""
 
     section = DoorsSection
     STATE: ClassVar[Kinds] = {"parts": dict[str, DoorPart], "openings": dict[str, float]}
@@ -62,7 +62,9 @@ class DoorProps(Props[DoorsSection]):
         self._note_opening(thing)
 
     def opening_of(self, name: str) -> float:
-        """Return the opening of a door in [rad], or of a drawer in [m]."""
+        """Return the present opening of the door called `name` in [rad], or of a drawer in [m]; 0 is
+        closed.
+        """
         return self.openings[name]
 
     def put(self, name: str, opening: float) -> None:

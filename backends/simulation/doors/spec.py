@@ -60,7 +60,7 @@ class SimulatedDoorSpec(DoorShape):
 
 
 class DoorsSection(FileModel):
-    """Keys of a world's file about doors and drawers."""
+    """Section of a world's file with the doors and drawers, with their true geometry and friction."""
 
     doors: tuple[SimulatedDoorSpec, ...] = ()
 

@@ -30,8 +30,8 @@ class StationSpec(FileModel):
 
 
 class FieldSection(FileModel):
-    """Keys of a world's file about the seismic sensors in the robot's magazine, and about the total
-    station.
+    """Section of a world's file with the seismic sensors in the robot's magazine, and the total station that
+    measures the robot's hand for evaluation.
     """
 
     sensors: SeismicSensorSpec | None = None

@@ -13,7 +13,9 @@ Direction = Literal["away", "towards", "left", "right", "up", "down"]
 
 
 class PullSpec(FileModel):
-    """A person who pulls once at the object in the hand, or only bumps into it."""
+    """One pull of a person at the object in the hand, or a bump, with its begin, force, direction and
+    duration.
+    """
 
     at_s: Seconds | None = None
     """Simulated time at which the pull begins."""

@@ -24,7 +24,9 @@ NO_FORCE = np.zeros(3)
 
 
 class SimulatedPull(NamedTuple):
-    """Simulated pull of a person at the held object, and whether it has begun or is over."""
+    """Simulated pull of a person at the held object, with the time at which it began, and whether it is
+    over.
+    """
 
     spec: PullSpec
     begun_s: float | None = None

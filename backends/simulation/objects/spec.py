@@ -66,7 +66,9 @@ class FloorAreaSpec(FloorPose):
 
 
 class ObjectsSection(FileModel):
-    """Keys of a world's file about objects."""
+    """Section of a world's file with objects to carry, floor areas for them, and pulls of a person at the
+    hand.
+    """
 
     objects: tuple[CarriedObjectSpec, ...] = ()
     floor_areas: tuple[FloorAreaSpec, ...] = ()

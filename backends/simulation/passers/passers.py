@@ -147,7 +147,7 @@ class Passers:
         return step._replace(position=np.array([x, y]) + along * step.direction + aside * left)
 
     def parts(self) -> list[PasserPart]:
-        """Return the bodies of all passers: legs and trunk, or one disc."""
+        """Return the bodies of all passers: legs and trunk, or a single upright cylinder."""
         found: list[PasserPart] = []
         for number, name, walk in self._walks:
             spec, step = self._specs[number], self._step(number, walk)

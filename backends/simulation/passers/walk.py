@@ -27,7 +27,7 @@ class WalkStep(NamedTuple):
 
 
 class Walk:
-    """Walk of one person, on a clock that pauses while the person yields."""
+    """Walk of one person along waypoints, by a clock that stops while the person yields to the robot."""
 
     def __init__(self, spec: PasserSpec, offset: float = 0.0, speed: float | None = None) -> None:
         """Plan a walk.

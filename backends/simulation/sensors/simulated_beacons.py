@@ -58,7 +58,9 @@ class SimulatedBeacons(Beacons, SimulatedSensor):
         return self._ranges
 
     def advance(self, period: int) -> None:
-        """Measure the ranges if a measurement is due in this period; otherwise report none."""
+        """Measure the ranges to the beacons if a measurement is due in this period; otherwise report no
+        ranges.
+        """
         self._ranges = None
         if period % self._every:
             return

@@ -75,7 +75,9 @@ class SimulatedGps(Gps, SimulatedSensor):
         return self._fix
 
     def advance(self, period: int) -> None:
-        """Measure a fix if one is due in this period, outside outages; otherwise report none."""
+        """Measure a position fix if one is due in this period and no outage lasts; otherwise report no
+        fix.
+        """
         self._fix = None
         if period % self._every:
             return

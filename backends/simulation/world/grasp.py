@@ -20,7 +20,7 @@ _LENGTHWISE = np.cos(np.radians(45.0))  # between the pads and the axis of a cyl
 
 
 class Pads(NamedTuple):
-    """Pose, opening and shape of a gripper's two fingers."""
+    """Finger pads of a gripper: pose of the hand, opening between the pads, and shape of a finger."""
 
     world_T_hand: Transform
     """Pose world_T_hand (4, 4); the fingers close along the hand's y axis, and point along its x axis."""

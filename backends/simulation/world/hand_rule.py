@@ -16,7 +16,9 @@ FORCE_CAP = 60.0  # force at which the hand's drives yield [N]
 
 
 class Met(NamedTuple):
-    """Result of an arm's motion in one period, with the reached joints, contact force and touching bodies."""
+    """Result of an arm's motion in one period: the reached joints, the force on the hand, and the touching
+    pairs.
+    """
 
     joints: FloatArray
     """Joints (n,) at which the arm stops, in [rad] or [m]: the given array itself, if nothing stops it."""
@@ -78,4 +80,4 @@ class HandRule:
         return float("inf")
 
     def gripped(self, thing: Thing) -> None:
-        """React to a grasp: the fingers have closed on a thing, but its pose is not yet updated."""
+        """React to the event that the fingers have closed on a thing, whose pose is not yet updated."""

@@ -30,7 +30,7 @@ ScenePropsT = TypeVar("ScenePropsT", bound=SceneProps)
 
 
 class Contact(NamedTuple):
-    """Beginning of a contact between a part of the robot and another body."""
+    """Beginning of a contact: its time, and the names of the part of the robot and of the other body."""
 
     time: float
     """Simulated time at which the contact began, in [s]."""
@@ -111,12 +111,12 @@ class Scene:
 
     @cached_property
     def body_plan(self) -> FloorPlan:
-        """Floor plan of the world's solids at heights of the robot's body, which the base may run into."""
+        """Floor plan of the world's solids at the heights of the base's body, which the base may run into."""
         return FloorPlan(self.solids, 0.02, self.robot.body_height)
 
     @cached_property
     def full_plan(self) -> FloorPlan:
-        """Floor plan of the world's solids at all heights, which any part of the robot may run into."""
+        """Floor plan of the world's solids below 2 m of height, which any part of the robot may run into."""
         return FloorPlan(self.solids, 0.02, 2.0)
 
     def world_T_map(self, own_start: Pose2 | None) -> Pose2:
@@ -130,7 +130,7 @@ class Scene:
 
     @property
     def held_name(self) -> str | None:
-        """Name of the object that the robot's hand holds; None if it holds none."""
+        """Name of the object that the robot's hand holds; None if the hand is empty."""
         return None if self.held is None else self.held.name
 
     @held_name.setter

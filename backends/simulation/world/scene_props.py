@@ -91,7 +91,9 @@ class SceneProps(ABC):
 
     @abstractmethod
     def let_go(self, thing: Thing) -> None:
-        """Release a thing from the fingers: set its pose and its support."""
+        """Release a thing from the fingers: set the pose that it takes then, and its support, such as a
+        table.
+        """
 
     # Props in a physics engine
 

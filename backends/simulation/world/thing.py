@@ -23,7 +23,7 @@ Side = Literal["-x", "+x", "-y", "+y", "-z", "+z"]
 
 
 class Rest(Enum):
-    """Body that supports a thing, such as the robot's tray, its hand or a table."""
+    """Kind of body that supports a thing, such as the robot's tray, the robot's hand or a table."""
 
     TRAY = "tray"
     HAND = "hand"

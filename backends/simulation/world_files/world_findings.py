@@ -43,7 +43,7 @@ def world_findings(
         world: the same world, with the solids of its map.
         robot: robot that starts in this world.
         initial_pose: initial map_T_base that is given to the robot; None if the robot is given no pose.
-        grid: the map that the robot is given, if any.
+        grid: the map that the robot is given; None if the robot is given no map.
     """
     solids = solids_of(world)
     yield from _stands_on(loaded, robot, solids)

@@ -54,7 +54,7 @@ def map_of_world(world: WorldFile, height: float, resolution: float) -> GridMap:
 
 
 def shown_solids(world: WorldFile, height: float) -> list[Solid]:
-    """Return the solids of a world that a map of it shows, at the height of the map's plane in [m].
+    """Return the solids of a world that a map drawn at a height above the floor, in [m], shows.
 
     These are the solids that intersect the plane, without surprises (obstacles that no map shows).
     """

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def kinds_of_props() -> Mapping[str, type[Props[Any]]]:
     """Return the class that simulates the things of each application domain, by the domain's name.
 
-    The order is fixed.
+    The domains are always in the same order.
     """
     declared = domain.domains()
     return {domain_.name: domain.imported(domain_.props) for domain_ in declared if domain_.props is not None}

@@ -82,7 +82,7 @@ class ObjectKind(FileModel):
 
 
 class KnownObject(FileModel):
-    """An object of a file of objects, with its expected pose on a surface."""
+    """Object in a file of objects, with its kind, tags, surface and expected pose on this surface."""
 
     kind: Name
     on: Name

@@ -31,7 +31,7 @@ WALL_SIDES: dict[str, tuple[int, int]] = {"+x": (0, 1), "-x": (0, -1), "+y": (1,
 
 
 class SurfaceSpot(FileModel):
-    """Named pose on a surface at which an object may be placed, on the map."""
+    """Named spot of a surface where an object may be placed, as a pose on the map."""
 
     x_m: float
     y_m: float

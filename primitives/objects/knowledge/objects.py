@@ -45,7 +45,7 @@ NOTHING_KNOWN = ObjectsFile(format="handcart-objects/1", kinds={}, surfaces={})
 
 
 class ObjectSighting(NamedTuple):
-    """An object as it was last seen, at rest on a surface."""
+    """Object as it was last seen: the surface on which it was, and its pose on the map with covariance."""
 
     object: str
     surface: str

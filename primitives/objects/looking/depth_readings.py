@@ -39,7 +39,7 @@ SQUARE_M = 0.001  # maximum difference of two sides that count as equal
 
 
 class ObjectBelief(NamedTuple):
-    """Believed pose, in the base frame, of one of several objects that are of the same kind."""
+    """Believed place and heading, in the base frame, of one of several objects of the same kind."""
 
     object: str
     place: tuple[float, float] | None
