@@ -157,7 +157,8 @@ def follow(robot: Robot, path: FloatArray) -> Periods:
 
 
 def collision_model(robot: Robot, held: Shape | None, around: Sequence[Shape] = ()) -> CollisionModel:
-    """Return the collision model of arm, hand and held object.
+    """Return a model for collision checks of arm, fingers at their present opening, and held object, among
+    bodies.
 
     Args:
         robot: robot with an arm.

@@ -61,8 +61,8 @@ class Pins:
         )
 
     def force(self, data: Any) -> FloatArray:
-        """Return the force (3,) of the held thing on the hand, in the world frame, in [N]; zero if nothing is
-        held.
+        """Return the force (3,) that the held thing exerts on the hand through the pins, in the world frame,
+        in [N]; zero if nothing is held.
         """
         if not self._there or not self.closed(data):
             return np.zeros(3)

@@ -77,6 +77,7 @@ class PullWatch:
 
     def feel(self) -> None:
         """Read the force on the hand, subtract the force at rest, and append the result to the last readings.
+        Set `is_rested` once these readings are calm.
 
         To be called once a period.
         """

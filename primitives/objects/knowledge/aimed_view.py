@@ -65,6 +65,7 @@ def aimed_views(
     """Yield pairs: joints (n,), in [rad] or [m], that turn a camera to a point, and base_T_camera (4, 4).
 
     If the arm has a lift, a pair is yielded for each of some heights of the lift, otherwise a single pair.
+    Nothing is yielded for a height at which the camera cannot be turned to the point.
 
     Args:
         arm: kinematics of arm and head.

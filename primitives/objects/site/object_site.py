@@ -94,7 +94,9 @@ def kind_of(model: ModelView, name: str) -> ObjectKind:
 
 
 def surface_of(model: ModelView, name: str) -> ObjectSurface:
-    """Return a surface, as it was measured; raise `Discrepancy` if the file of objects does not have it."""
+    """Return a surface by its name, at its measured pose if it was measured; raise `Discrepancy` if the file
+    of objects has no such surface.
+    """
     objects = model.of(Objects)
     if name not in objects.objects.surfaces:
         raise Discrepancy(f"unknown surface {name!r}", permanent=True, cause=causes.NOT_KNOWN)

@@ -47,9 +47,9 @@ def walls_to_try(
     """Return sets of walls around the robot to plan with, in the base frame, the preferred set first; empty
     if there are no walls.
 
-    The last set represents the map's obstacles outside the surfaces. If the lidar has sensed unmapped
-    obstacles lately, a set with these obstacles as well precedes it. Walls are higher than the arm reaches,
-    because neither map nor lidar shows how high obstacles are.
+    The last set represents the map's obstacles outside the surfaces, if there are any. If the lidar has
+    sensed unmapped obstacles lately, a set with these obstacles as well precedes it. Walls are higher than
+    the arm reaches, because neither map nor lidar shows how high obstacles are.
 
     Args:
         robot: robot at the surfaces.
