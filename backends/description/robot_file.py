@@ -361,7 +361,7 @@ class RobotFile(SensorTable, OutlinedFile):
         """Shape of the tray by the URDF.
 
         Raises:
-            MissingShape: the URDF has no tray.
+            MissingShape: the URDF has no tray (ValueError: the robot has no arm).
         """
         from handcart.backends.urdf.robot_shape import tray_shape
 
@@ -372,7 +372,7 @@ class RobotFile(SensorTable, OutlinedFile):
         """Shape of the fingers by the URDF.
 
         Raises:
-            MissingShape: the URDF has no fingers.
+            MissingShape: the URDF has no fingers (ValueError: the robot has no arm).
         """
         from handcart.backends.urdf.robot_shape import finger_shape
 

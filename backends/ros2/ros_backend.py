@@ -24,7 +24,7 @@ from handcart.robotics.numerics.compiled import hearing_of_compiling
 
 from .bench.local_bench import LocalBench
 from .on_the_air import DISCOVERY_S, await_robot, other_masters, unheard
-from .ros_topics import RosTopics, capabilities_of, check_joints
+from .ros_topics import RosTopics, capabilities_of, check_ros_section
 
 MASTERS_PERIOD_S = 1.0
 """Time between two searches for other nodes that command the robot, in [s]."""
@@ -65,14 +65,14 @@ class RosBackend(Backend):
 
         Raises:
             NoTopics: the robot's file has no section `ros2`.
-            UnknownJoints: the section names joints that the arm lacks, or leaves some out.
+            WrongRosSection: the section has faults (`ros_faults`), such as joints that the arm lacks.
             NoRos: rclpy is not installed.
             NotOnTheAir: topics are missing, or are not what the file says.
         """
         if robot.ros2 is None:
             raise NoTopics()
         spec = robot.ros2
-        check_joints(robot, spec)
+        check_ros_section(robot, spec)
         self.period = robot.period_s
         self.address = f"ros2 {spec.namespace or '/'}{'' if spec.domain is None else f' {spec.domain}'}"
         self._closed, self._begun = False, False
@@ -118,7 +118,7 @@ class RosBackend(Backend):
     ) -> RosBackend:
         if robot.ros2 is None:
             raise NoTopics()
-        check_joints(robot, robot.ros2)
+        check_ros_section(robot, robot.ros2)
         inner = bench.build(robot, world, seed)
         try:
             backend = cls(robot, LocalBench(robot, robot.ros2, inner))
@@ -133,7 +133,7 @@ class RosBackend(Backend):
     def kinds(cls, robot: RobotFile) -> tuple[type[Capability], ...] | None:
         if robot.ros2 is None:
             raise NoTopics()
-        check_joints(robot, robot.ros2)
+        check_ros_section(robot, robot.ros2)
         return capabilities_of(robot)
 
     @override

@@ -47,7 +47,7 @@ from .ros_gripper import RosGripper
 from .ros_imu import RosImu
 from .ros_lidar import RosLidar
 from .wire.camera_topics import camera_topics, depth_topics
-from .wire.ros_errors import UnknownJoints
+from .wire.ros_errors import WrongRosSection
 from .wire.topic_sensor import TopicSensor
 from .wrench_topic import WrenchTopic
 
@@ -291,15 +291,15 @@ class RosTopics:
         return self._link.publisher(kind, topic)
 
 
-def check_joints(robot: RobotFile, spec: RosSpec) -> None:
-    """Raise `UnknownJoints` if the section `ros2` of the robot's file has faults (see `ros_faults`).
+def check_ros_section(robot: RobotFile, spec: RosSpec) -> None:
+    """Raise `WrongRosSection` if the section `ros2` of the robot's file has faults (see `ros_faults`).
 
     Such faults are a joint that the arm lacks, a joint with no or several controllers, and an incomplete
     description of a camera or a satellite receiver.
     """
     wrong = [": ".join(["ros2", *map(str, key[:1]), words]) for key, words, _ in ros_faults(robot, spec)]
     if wrong:
-        raise UnknownJoints(wrong)
+        raise WrongRosSection(wrong)
 
 
 def capabilities_of(robot: RobotFile) -> tuple[type[Capability], ...]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from handcart.networks.chains.policy import State, policy
+from handcart.networks.chains.chance import Chance
+from handcart.networks.chains.policy import State, policy, success_shares
 from handcart.networks.chains.policy_chain import policy_chain
 from handcart.networks.graph.planner import Planner
 from handcart.networks.task.task_file import Task
@@ -29,7 +30,7 @@ class Outlook(NamedTuple):
     permitted: float
     """Probability if the action is permitted now, as well as all later ones."""
     succeeded: float
-    """Probability once the action has succeeded."""
+    """Probability once the action has succeeded; the mean over its results if it has several."""
     refused: float
     """Probability if the action is refused, which counts as its Fail."""
 
@@ -62,9 +63,11 @@ def outlook(task: Task, situation: str, counts: Mapping[int, int], action: int) 
         planner.counts.update(counts)
     done.succeeded(one)
     failed.failed(one, "")
+    ends = one.target, *(other.target for other in one.others)
+    shares = success_shares(one, network_chances(task)[action] or Chance(1.0))
     return Outlook(
         _goal(task, situation, counts),
-        _goal(task, one.target, done.counts),
+        sum(p * _goal(task, end, done.counts) for p, end in zip(shares, ends, strict=True) if p > 0.0),
         _goal(task, one.on_fail or situation, failed.counts),
     )
 

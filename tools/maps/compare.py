@@ -96,6 +96,9 @@ def report(found: MapComparison, first: str, second: str, as_json: bool) -> None
     )
     for name, other, (median, high, missing) in zip(names, reversed(names), rows, strict=True):
         words = f"walls of {name}: "
+        if math.isnan(missing):
+            print(f"{words}not compared, {other} knows nothing at their places")
+            continue
         if math.isnan(median):
             print(f"{words}none is in {other}")
             continue

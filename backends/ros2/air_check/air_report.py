@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.ros_spec import RosSpec
-from handcart.backends.ros2.ros_topics import RosTopics, check_joints
+from handcart.backends.ros2.ros_topics import RosTopics, check_ros_section
 from handcart.backends.ros2.wire.ros_link import Link
 
 from .air_finding import AirFinding
@@ -53,10 +53,10 @@ def listen(
             may drive, has ended; None: the messages come from a robot at rest.
 
     Raises:
-        UnknownJoints: the section names joints that the arm lacks, or leaves some out.
+        WrongRosSection: the section has faults (`ros_faults`), such as joints that the arm lacks.
         NoRos: a package is not installed.
     """
-    check_joints(robot, spec)
+    check_ros_section(robot, spec)
     ears = ListeningLink(link)
     heard = HeardRobot(robot, spec, RosTopics(robot, spec, ears), ears, over)
     heard.wait_for_all(wait, spec.first_message_s)

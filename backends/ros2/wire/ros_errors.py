@@ -3,7 +3,7 @@
     HandcartError
     ├── InputError
     │   ├── NoTopics            the robot's file has no section `ros2`
-    │   ├── UnknownJoints       the section names joints that the arm lacks, or leaves some out
+    │   ├── WrongRosSection     the section has faults, such as joints that the arm lacks
     │   ├── NoRos               rclpy is not installed
     │   └── NotOnTheAir         topics are missing, or are not what the file says: nothing has moved
     └── RobotFault
@@ -30,7 +30,7 @@ class NoTopics(InputError):
         super().__init__("the robot's file has no section 'ros2'; allowed: `ros2: {}` for the usual topics")
 
 
-class UnknownJoints(InputError):
+class WrongRosSection(InputError):
     """Error: the section `ros2` names joints that the arm lacks, has a joint without a controller, or does
     not fit the robot's sensors.
     """

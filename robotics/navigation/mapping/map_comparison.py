@@ -48,13 +48,16 @@ class MapComparison(NamedTuple):
 
         A wall cell is on both maps if its distance from a wall of the other map is at most `SAME_WALL_M`.
         Otherwise it is missing. Wall cells at places that the other map does not know are not counted. If no
-        wall cell is on both maps, median and quantile are NaN, and the share is 1.
+        wall cell is on both maps, median and quantile are NaN, and the share is 1. All three are NaN if no
+        wall cell is counted.
 
         Args:
             distances: (n,) distance of each wall cell of one map to the nearest wall cell of the other, in
                 [m]; infinity where the other map is unknown.
         """
         known = distances[np.isfinite(distances)]
+        if not len(known):
+            return math.nan, math.nan, math.nan
         near = known[known <= SAME_WALL_M]
         if not len(near):
             return math.nan, math.nan, 1.0

@@ -18,7 +18,7 @@ from handcart.backends.ros2.bench.local_air import LocalLink
 from handcart.backends.ros2.goal_stream import GoalStream
 from handcart.backends.ros2.ros_backend import RosBackend
 from handcart.backends.ros2.wire.goals import GoalStage
-from handcart.backends.ros2.wire.ros_errors import NotOnTheAir, RosFault, UnknownJoints
+from handcart.backends.ros2.wire.ros_errors import NotOnTheAir, RosFault, WrongRosSection
 
 from .conftest import Make
 
@@ -189,7 +189,7 @@ def test_a_file_that_names_two_ways_is_refused() -> None:
         RosGripperSpec(max_effort_n=5.0)
     both = RosArmSpec(actions={ARM: ("joint_1",)}, controllers={"arm/command": ("joint_1",)})
     assert both.joints_by_topic(("joint_1",)) == {"arm/command": ("joint_1",)}
-    with pytest.raises(UnknownJoints, match="2 controllers have the joint 'joint_1'"):
-        from handcart.backends.ros2.ros_topics import check_joints
+    with pytest.raises(WrongRosSection, match="2 controllers have the joint 'joint_1'"):
+        from handcart.backends.ros2.ros_topics import check_ros_section
 
-        check_joints(load_robot("librarian"), RosSpec(arm=both))
+        check_ros_section(load_robot("librarian"), RosSpec(arm=both))

@@ -17,7 +17,7 @@ from handcart.backends.ros2.bench.bench_faults import BenchFaults
 from handcart.backends.ros2.bench.local_bench import LocalBench
 from handcart.backends.ros2.on_the_air import DISCOVERY_S, await_robot
 from handcart.backends.ros2.ros_backend import RosBackend
-from handcart.backends.ros2.wire.ros_errors import NotOnTheAir, RosFault, UnknownJoints
+from handcart.backends.ros2.wire.ros_errors import NotOnTheAir, RosFault, WrongRosSection
 
 from .conftest import Make
 
@@ -250,7 +250,7 @@ def test_a_joint_that_nobody_names_is_told_with_the_nearest(make: Make) -> None:
 
 def test_joints_that_the_arm_lacks_are_told_all_at_once(make: Make) -> None:
     controllers = {"a": ("joint_1", "joint_2", "joint_2"), "b": ("jont_3", "joint_4", "joint_5", "joint_6")}
-    with pytest.raises(UnknownJoints) as error:
+    with pytest.raises(WrongRosSection) as error:
         make(arm={"controllers": controllers}, names={"wrist": "x"}, reversed=("elbow",))
     for words in (
         "the arm has no joint 'jont_3'; did you mean 'joint_3'?",

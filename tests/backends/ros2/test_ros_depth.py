@@ -24,8 +24,8 @@ from handcart.backends.ros2.bench.local_bench import LocalBench
 from handcart.backends.ros2.bench.robot_differences import RobotDifferences
 from handcart.backends.ros2.cameras.ros_depth_camera import colour_of, depth_of
 from handcart.backends.ros2.ros_backend import RosBackend
-from handcart.backends.ros2.ros_topics import check_joints
-from handcart.backends.ros2.wire.ros_errors import UnknownJoints
+from handcart.backends.ros2.ros_topics import check_ros_section
+from handcart.backends.ros2.wire.ros_errors import WrongRosSection
 from handcart.backends.sensors.depth_spec import DepthCameraSpec
 
 from .conftest import WORLD
@@ -163,7 +163,7 @@ def test_cameras_that_the_robot_lacks_are_named() -> None:
     robot = robot_with_cameras()
     assert robot.camera is not None
     wrong = RosSpec(depth={"dep": DEPTH}, cameras={robot.name_of(robot.camera): RosCameraSpec()})
-    with pytest.raises(UnknownJoints) as caught:
-        check_joints(robot, wrong)
+    with pytest.raises(WrongRosSection) as caught:
+        check_ros_section(robot, wrong)
     assert "depth: the robot has no further depth camera 'dep'; did you mean 'deep'?" in str(caught.value)
     assert "is the first camera; needed: its topic under the key camera" in str(caught.value)

@@ -17,8 +17,8 @@ from handcart.backends.ros2.bench.bench_messages import fix_message
 from handcart.backends.ros2.bench.local_air import LocalAir, LocalLink
 from handcart.backends.ros2.ros_backend import RosBackend
 from handcart.backends.ros2.ros_gps import RosGps
-from handcart.backends.ros2.ros_topics import check_joints
-from handcart.backends.ros2.wire.ros_errors import UnknownJoints
+from handcart.backends.ros2.ros_topics import check_ros_section
+from handcart.backends.ros2.wire.ros_errors import WrongRosSection
 from handcart.tasks.task_names import task_path
 
 SPEC = RosGpsSpec(origin_lat_deg=36.11, origin_lon_deg=140.1)
@@ -80,8 +80,8 @@ def test_a_message_that_is_no_fix_is_dropped(changed: dict[str, Any], words: str
 
 
 def test_a_receiver_without_an_origin_is_refused() -> None:
-    with pytest.raises(UnknownJoints, match="needed: origin_lat_deg and origin_lon_deg"):
-        check_joints(load_robot("el_verde"), RosSpec())
+    with pytest.raises(WrongRosSection, match="needed: origin_lat_deg and origin_lon_deg"):
+        check_ros_section(load_robot("el_verde"), RosSpec())
 
 
 def test_fixes_of_an_outdoor_robot_come_by_topic() -> None:

@@ -34,6 +34,14 @@ actions:
     attempts: {{most: 1, fresh_after: THINK, renewals: 1}}
     with: {{name: insert}}
 """
+LOOKED = f"""\
+{HEAD}situations: {{a: {{}}, b: {{}}, c: {{}}, z: {{}}}}
+actions:
+  - {{do: THINK, from: a, then: [{{to: b, p: 0.6}}, {{to: c, p: 0.2, result: far}}], cost_s: 5,
+     with: {{name: look}}}}
+  - {{do: THINK, from: b, to: z, cost_s: 5, p: 1.0, attempts: 1, with: {{name: near}}}}
+  - {{do: THINK, from: c, to: z, cost_s: 5, p: 0.5, attempts: 1, with: {{name: far}}}}
+"""
 Make = Callable[..., Path]
 
 
@@ -58,3 +66,12 @@ def test_a_success_gives_attempts_back_in_the_outlook(tmp_path: Path, primitives
     task = load_task(path, {}, lambda name: getattr(primitives, name))
     assert outlook(task, "a", {1: 1}, 0).succeeded == pytest.approx(0.5)
     assert outlook(task, "a", {}, 0).succeeded == pytest.approx(0.75)
+
+
+def test_outlook_after_a_success_is_the_mean_over_its_results(
+    tmp_path: Path, primitives: SimpleNamespace
+) -> None:
+    path = tmp_path / "task.yaml"
+    path.write_text(LOOKED, encoding="utf-8")
+    task = load_task(path, {}, lambda name: getattr(primitives, name))
+    assert outlook(task, "a", {}, 0).succeeded == pytest.approx(0.75 * 1.0 + 0.25 * 0.5)

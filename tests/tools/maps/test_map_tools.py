@@ -170,3 +170,14 @@ def test_bad_words_for_a_map_tool_are_refused(
     assert "".join(said.replace("PLAN", str(plan)).split()) in error, found.err
     assert "Traceback" not in found.err
     assert not (tmp_path / "new.yaml").exists()
+
+
+def test_walls_at_unknown_places_are_not_compared(plan: Path, tmp_path: Path, handcart: Handcart) -> None:
+    grid, columns = room(), np.arange(room().occupied.shape[1])
+    for name, known in (("left", columns < 20), ("right", columns >= 60)):
+        half = grid._replace(occupied=grid.occupied & known, unknown=grid.unknown | ~known)
+        write_grid(tmp_path / f"{name}.yaml", half)
+    maps = ("map", "compare", tmp_path / "left.yaml", tmp_path / "right.yaml", "--keep")
+    figures = json.loads(handcart(*maps, "--json").out)["walls"][0]
+    assert figures == {"median_m": None, "p95_m": None, "missing_in_other": None}
+    assert "not compared, right.yaml knows nothing at their places" in handcart(*maps).out
