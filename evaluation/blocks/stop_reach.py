@@ -40,7 +40,11 @@ compile_early(screw_table, SCREW_TABLE_TYPES, __name__)
 
 
 class StopReach:
-    """Model of where one robot's arm can pick up and put down blocks of one size without collision."""
+    """Reach of a robot's arm from a stop, a pose at which the base parks to pick up or put down blocks.
+
+    For blocks of one size, it holds in which poses relative to the base the arm can handle a block without
+    collision.
+    """
 
     def __init__(self, spec: RobotFile, block: tuple[float, float, float]) -> None:
         """Prepare a robot.

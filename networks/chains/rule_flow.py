@@ -59,8 +59,9 @@ def can_flow(network: ActionNetwork) -> bool:
     """Return whether the ends of a network's runs can be computed by `RuleFlow`, which follows runs Fail by
     Fail.
 
-    Each Fail must lead to a state with more Fails. Therefore each action must have only one result, and
-    limited attempts that are never renewed. The network may have at most `MAX_WAYS` actions.
+    Following ends because each Fail leads to a state with more counted Fails, and attempts are limited. So no
+    action may have unlimited attempts or attempts that are renewed. Each action must lead to one situation
+    after its Success, and the network may have at most `MAX_WAYS` actions.
     """
     plain = not any(a.others or a.unlimited or a.renewals for a in network.actions)
     return plain and 0 < len(network.actions) <= MAX_WAYS

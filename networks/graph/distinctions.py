@@ -10,7 +10,7 @@ MAX_VALUE_LENGTH = 24
 
 
 class SiblingAction(NamedTuple):
-    """Action of a network as compared with its siblings to tell them apart.
+    """Data of an action that may distinguish it from its siblings: its parameters and its cost.
 
     Siblings are actions with the same primitive, between the same situations.
     """

@@ -19,11 +19,11 @@ Fault = tuple[KeyPath, str]
 def goal_faults(
     names: Sequence[str], is_listed: bool, start: str, situations: Mapping[str, object]
 ) -> Iterator[Fault]:
-    """Yield the faults of the goals in a task file with situations.
+    """Yield a fault for each goal of a task file that is no situation of the file, or is reached already.
 
     Args:
         names: the goals, in order.
-        is_listed: whether the file has them as a list.
+        is_listed: whether the file has them as a list; a fault then names the goal's position in the list.
         start: the situation at the start.
         situations: the file's situations, by name.
     """

@@ -92,6 +92,9 @@ class ResolvedRate:
 def line_postures(arm: Scara, q: FloatArray, target: FloatArray) -> FloatArray | None:
     """Return postures (n, 2), in [rad], along a straight line of the tip; None if one exceeds a joint limit.
 
+    The first posture is the start, the last one is at the target, and the tip moves at most `CHECK_STEP_M`
+    from one to the next.
+
     Args:
         arm: the arm.
         q: joints at the start, (2,) angles in [rad], or (3,) with the slide in [m].
