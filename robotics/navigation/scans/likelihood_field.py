@@ -117,9 +117,8 @@ class LikelihoodField:
         movable = self.map.movable
         if movable is None or not len(points):
             return points
-        on_map = pose.apply(points)
-        near, inside = np.zeros(len(points), dtype=np.bool_), self.map.inside(on_map)
-        near[inside] = movable[tuple(self.map.to_cell(on_map[inside]).T)]
+        origin = self.map.origin_x, self.map.origin_y
+        near = marked_points(movable, pose.apply(points), origin, self.map.resolution)
         return np.ascontiguousarray(points[~near])
 
     def _scaled(self, points: FloatArray) -> FloatArray:
@@ -140,6 +139,28 @@ def _in_steps(cells: NDArray[np.floating[Any]]) -> Uint16Array:
     """Return distances in cells as whole steps of 1 / `STEPS_PER_CELL`, as far as two bytes reach."""
     steps = np.minimum(cells * STEPS_PER_CELL + 0.5, np.iinfo(np.uint16).max)
     return np.asarray(steps, dtype=np.uint16)
+
+
+@compiled
+def marked_points(
+    cells: BoolArray, points: FloatArray, origin: tuple[float, float], resolution: float
+) -> BoolArray:
+    """Return a mask (n,), True for points in cells of a map that are marked; False outside the map.
+
+    Args:
+        cells: (h, w) True for marked cells; row 0 has the lowest y.
+        points: (n, 2) on the map, in [m].
+        origin: x, y of the lower-left corner of cell [0, 0], in [m].
+        resolution: side of a cell, in [m].
+    """
+    height, width = cells.shape
+    out = np.zeros(len(points), dtype=np.bool_)
+    for i in range(len(points)):
+        column = math.floor((points[i, 0] - origin[0]) / resolution)
+        row = math.floor((points[i, 1] - origin[1]) / resolution)
+        if 0 <= column < width and 0 <= row < height:
+            out[i] = cells[row, column]
+    return out
 
 
 @compiled

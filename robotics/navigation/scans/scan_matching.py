@@ -259,14 +259,14 @@ def descend_scan(
             facing, occupied, moved, (pose[0], pose[1]), origin, resolution, scale
         )
         _thin(hessian, gradient, direction, share)
-        off[0], off[1], off[2] = pose[0] - prior[0], pose[1] - prior[1], _wrapped(pose[2] - prior[2])
+        off[0], off[1], off[2] = pose[0] - prior[0], pose[1] - prior[1], wrapped(pose[2] - prior[2])
         for j in range(3):
             gradient[j] /= noise**2
             for k in range(3):
                 total[j, k] = hessian[j, k] / noise**2 + information[j, k]
                 gradient[j] += information[j, k] * off[k]
         x, y, turn = _solved(total, gradient)
-        pose[0], pose[1], pose[2] = pose[0] - x, pose[1] - y, _wrapped(pose[2] - turn)
+        pose[0], pose[1], pose[2] = pose[0] - x, pose[1] - y, wrapped(pose[2] - turn)
         if abs(x) + abs(y) < 1e-5 and abs(turn) < 1e-5:
             break
     return pose, total
@@ -291,7 +291,8 @@ def _thin(hessian: FloatArray, gradient: FloatArray, direction: FloatArray, shar
 
 
 @compiled
-def _wrapped(angle: float) -> float:
+def wrapped(angle: float) -> float:
+    """Return the angle wrapped to (-pi, pi], in [rad], in compiled code."""
     return -((math.pi - angle) % (2.0 * math.pi) - math.pi)
 
 

@@ -12,7 +12,7 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray, S
 from handcart.robotics.numerics.compiled import compiled
 
 from .likelihood_field import LikelihoodField
-from .scan_matching import INLIER_SCALES, match_scan
+from .scan_matching import INLIER_SCALES, match_scan, wrapped
 
 PLAIN_FIT = 0.93  # share of the beams that the map explains; no less, and no other place is looked for
 SURE_FIT = 0.9  # share from which an unstated place is accepted
@@ -125,8 +125,9 @@ def check_start(field: LikelihoodField, beams: ScanBeams, pose: Pose2, noise: fl
     if share >= PLAIN_FIT or len(beams.points) < COARSE_POINTS // 3:
         return StartFit(share)
     found: list[tuple[float, Pose2]] = []
-    for rough in _candidates(field, beams.points):
-        match = match_scan(field, beams.points, rough, CANDIDATE_COVARIANCE, anneal=True)
+    points = beams.points
+    for rough in _candidates(field, points):
+        match = match_scan(field, points, rough, CANDIDATE_COVARIANCE, anneal=True)
         if not any(_same(match.pose, other) for _, other in found):
             found.append((explained_share(field, beams, match.pose, noise), match.pose))
     others = sorted(
@@ -179,18 +180,40 @@ def _candidates(field: LikelihoodField, points: FloatArray) -> list[Pose2]:
     turns = np.linspace(-math.pi, math.pi, HEADING_COUNT, endpoint=False)
     scores = score_poses(field.distance, cells, turns, some / grid.resolution, COARSE_M)
     order = np.argsort(scores, axis=None)[::-1][: 40 * MAX_CANDIDATES]
-    kept: list[Pose2] = []
-    for index in order:
-        cell, heading = divmod(int(index), HEADING_COUNT)
-        x, y = grid.to_point(cells[cell][None].astype(np.float64))[0]
-        pose = Pose2(float(x), float(y), wrap(float(turns[heading])))
-        if not any(
-            pose.distance(pose2) < 2.0 * NEAR_M and pose.turn(pose2) < 2.0 * NEAR_RAD for pose2 in kept
-        ):
-            kept.append(pose)
-        if len(kept) == MAX_CANDIDATES:
+    found, headings = np.divmod(order, HEADING_COUNT)
+    around = np.array([wrap(turn) for turn in turns.tolist()])
+    poses = np.column_stack([grid.to_point(cells[found]), around[headings]])
+    kept = spread_poses(poses, 2.0 * NEAR_M, 2.0 * NEAR_RAD, MAX_CANDIDATES)
+    return [Pose2(*pose) for pose in poses[kept].tolist()]
+
+
+@compiled
+def spread_poses(poses: FloatArray, distance: float, turn: float, most: int) -> IntArray:
+    """Return the indices of the first poses of which each is apart from all earlier ones that were chosen.
+
+    Two poses are apart if their distance is at least `distance` or their turn at least `turn`.
+
+    Args:
+        poses: (n, 3) x, y in [m] and heading in [rad].
+        distance: in [m].
+        turn: in [rad].
+        most: maximum number of poses.
+    """
+    kept, count = np.empty(most, dtype=np.int64), 0
+    for i in range(len(poses)):
+        if count == most:
             break
-    return kept
+        is_apart = True
+        for k in range(count):
+            j = kept[k]
+            away = math.hypot(poses[i, 0] - poses[j, 0], poses[i, 1] - poses[j, 1])
+            if away < distance and abs(wrapped(poses[i, 2] - poses[j, 2])) < turn:
+                is_apart = False
+                break
+        if is_apart:
+            kept[count] = i
+            count += 1
+    return kept[:count]
 
 
 def search_cells(field: LikelihoodField, headings: int, most: int) -> tuple[IntArray, float]:
