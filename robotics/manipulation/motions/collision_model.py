@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -12,7 +14,7 @@ from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.coal_bodies import coal_body
 from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.shapes import Shape
-from handcart.robotics.numerics.arrays import FloatArray, IntArray
+from handcart.robotics.numerics.arrays import FloatArray
 
 HELD_NAME = "held"
 _TOUCH = 1e-6  # coal calls overlapping bodies free at margin 0: its GJK stops at a distance of 1e-10 [m]
@@ -64,6 +66,7 @@ class CollisionModel:
             self._add(obstacle, obstacle.name, 0, root_T_world)
         self._obstacles = range(len(self._names) - len(obstacles), len(self._names))
         self._pair()
+        self._known_ends: dict[bytes, bool] = {}
         self._model_data = self._model.createData()
         self._data = pin.GeometryData(self._bodies)
         for request in self._data.collisionRequests:
@@ -131,11 +134,12 @@ class CollisionModel:
                 moves the fingertips by at most 9 mm; a collision margin of half that distance covers the gaps
                 between checks.
         """
-        count = max(1, int(np.ceil(float(np.abs(q_to - q_from).max()) / step)))
-        if self.in_collision(q_to) or self.in_collision(q_from):
+        if self._end_collides(q_to) or self._end_collides(q_from):
             return False
-        between = np.linspace(q_from, q_to, count + 1)[1:-1]
-        return not any(self.in_collision(q) for q in between[_coarse_first(len(between))])
+        way = q_to - q_from
+        count = max(1, math.ceil(max(map(abs, way.tolist())) / step))
+        shares = _coarse_first(count)
+        return not any(map(self.in_collision, shares * (way / count) + q_from))
 
     def path_free(self, path: FloatArray, step: float = 0.01) -> bool:
         """Return True if all straight joint lines along a path are free of collisions, the path's points
@@ -148,6 +152,14 @@ class CollisionModel:
         if len(path) == 1:
             return not self.in_collision(path[0])
         return all(self.line_free(a, b, step) for a, b in pairwise(path))
+
+    def _end_collides(self, q: FloatArray) -> bool:
+        """Return whether bodies collide at the end of a line, `q` (n,): each one ends several lines."""
+        key = q.tobytes()
+        known = self._known_ends.get(key)
+        if known is None:
+            known = self._known_ends[key] = self.in_collision(q)
+        return known
 
     def _add(self, body: Shape, name: str, joint: int, joint_T_frame: pin.SE3) -> None:
         unique = f"{name}#{len(self._names)}"
@@ -179,7 +191,8 @@ class CollisionModel:
         self._bodies.setCollisionPairs(paired)
 
 
-def _coarse_first(count: int) -> IntArray:
-    """0 to count-1 in an order that visits far-apart ones first: a collision is found sooner."""
-    strides = [np.arange(offset, count, 8) for offset in (3, 7, 1, 5, 0, 2, 4, 6)]
-    return np.concatenate(strides)
+@lru_cache(maxsize=1024)
+def _coarse_first(count: int) -> FloatArray:
+    """Return 1 to count-1, (count-1, 1), so that far-apart ones are first: a collision is found sooner."""
+    strides = [np.arange(offset, count - 1, 8) for offset in (3, 7, 1, 5, 0, 2, 4, 6)]
+    return np.asarray(np.concatenate(strides)[:, None] + 1.0, dtype=np.float64)
