@@ -12,8 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
+from handcart.robotics.numerics.compiled import compiled
 
 from .start_search import ScanBeams
 
@@ -192,7 +193,7 @@ def _shift_along(
     """
     reach = min(GATE_M, SHIFT_SIGMAS * limit)
     shifts = np.arange(-reach, reach + SHIFT_STEP_M / 2, SHIFT_STEP_M)
-    due = np.stack([_met(rays, size, _shifted(pose, along, shift)) for shift in shifts.tolist()])
+    due = _met_by_shift(rays, size, pose, shifts[:, None] * along)
     near = _to_sides(
         pose.inverse().apply(rays.origin + np.minimum(rays.ranges, 1e3)[:, None] * rays.directions),
         pose.inverse().apply(rays.origin[None])[0],
@@ -206,21 +207,53 @@ def _shift_along(
     return shift, float(weights @ (shifts - shift) ** 2) + MIN_SIGMA_M**2
 
 
-def _shifted(pose: Pose2, along: FloatArray, shift: float) -> Pose2:
-    return pose._replace(x=pose.x + shift * float(along[0]), y=pose.y + shift * float(along[1]))
-
-
 def _met(rays: _Rays, size: tuple[float, float], pose: Pose2) -> FloatArray:
     """Return the ranges (n,) at which beams meet a rectangle from outside, in [m]; infinity where they
     pass.
     """
-    back = pose.inverse()
-    origin = back.apply(rays.origin[None])[0]
-    directions = Pose2(0.0, 0.0, back.theta).apply(rays.directions)
-    safe = np.where(np.abs(directions) < 1e-12, 1e-12, directions)
-    first, second = (-np.array(size) / 2 - origin) / safe, (np.array(size) / 2 - origin) / safe
-    enters, leaves = np.minimum(first, second).max(axis=1), np.maximum(first, second).min(axis=1)
-    return np.where((enters <= leaves) & (enters > 0.0), enters, np.inf)
+    return np.asarray(_met_by_shift(rays, size, pose, np.zeros((1, 2)))[0])
+
+
+def _met_by_shift(rays: _Rays, size: tuple[float, float], pose: Pose2, shifts: FloatArray) -> FloatArray:
+    """Return the ranges (k, n) at which beams meet a rectangle that is shifted, in [m].
+
+    A range is infinite where the beam passes.
+
+    Args:
+        rays: n beams, from outside the rectangle.
+        size: lengths of the rectangle along its x and y, in [m].
+        pose: pose of its middle before the shifts.
+        shifts: (k, 2) along x and y of the frame in which `pose` is given, in [m].
+    """
+    back = Pose2(0.0, 0.0, wrap(-pose.theta))
+    cos, sin = math.cos(pose.theta), math.sin(pose.theta)
+    x, y = pose.x + shifts[:, 0], pose.y + shifts[:, 1]
+    moved = np.column_stack([-cos * x - sin * y, sin * x - cos * y])
+    origins = back.apply(rays.origin[None]) + moved
+    return np.asarray(entry_ranges(origins, back.apply(rays.directions), np.array(size) / 2))
+
+
+@compiled
+def entry_ranges(origins: FloatArray, directions: FloatArray, half: FloatArray) -> FloatArray:
+    """Return the ranges (k, n) at which beams enter a rectangle about the origin; infinity where they pass.
+
+    Args:
+        origins: (k, 2) places from which the beams start, outside the rectangle, in [m].
+        directions: (n, 2) unit vectors of the beams, the same from each place.
+        half: (2,) half lengths of the rectangle along x and y, in [m].
+    """
+    out = np.full((len(origins), len(directions)), np.inf)
+    for k in range(len(origins)):
+        for i in range(len(directions)):
+            enters, leaves = -np.inf, np.inf
+            for axis in range(2):
+                slope = directions[i, axis] if abs(directions[i, axis]) >= 1e-12 else 1e-12
+                first = (-half[axis] - origins[k, axis]) / slope
+                second = (half[axis] - origins[k, axis]) / slope
+                enters, leaves = max(enters, min(first, second)), min(leaves, max(first, second))
+            if 0.0 < enters <= leaves:
+                out[k, i] = enters
+    return out
 
 
 def _costs(rays: _Rays, due: FloatArray, near: BoolArray) -> FloatArray:

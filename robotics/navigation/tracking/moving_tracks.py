@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -152,7 +153,7 @@ class MovingTracks:
         owners = self._match(clusters, _noises(clusters.centres, sensor, pose_covariance), scan.time)
         shares = self._shares_seen_free(points, labels, owners)
         left = self._judge(owners, shares, scan)
-        if np.linalg.eigvalsh(pose_covariance[:2, :2])[-1] <= MAX_POSE_SIGMA_M**2:
+        if _largest_variance(pose_covariance) <= MAX_POSE_SIGMA_M**2:
             for body, share in zip(owners, shares.tolist(), strict=True):
                 self._note_entered(body, share, scan.time)
         self._forget(scan)
@@ -291,3 +292,9 @@ def _noises(centres: FloatArray, sensor: FloatArray, pose_covariance: FloatArray
     across = np.stack([-rays[:, 1], rays[:, 0]], axis=1)
     turned = across[:, :, None] * across[:, None, :] * pose_covariance[2, 2]
     return np.asarray(POSITION_SIGMA_M**2 * np.eye(2) + pose_covariance[:2, :2] + turned)
+
+
+def _largest_variance(pose_covariance: FloatArray) -> float:
+    """Return the variance of a position in its worst direction, in [m²], by the covariance (3, 3)."""
+    (xx, _, _), (xy, yy, _), _ = pose_covariance.tolist()
+    return float(0.5 * (xx + yy) + math.hypot(0.5 * (xx - yy), xy))
