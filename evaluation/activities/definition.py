@@ -67,7 +67,11 @@ class Definition:
 
 
 def load_definition(name: str, instance: int = 0) -> Definition:
-    """Return the definition of an activity.
+    """Return the definition of a household activity of BEHAVIOR-1K, from the package `bddl`.
+
+    Args:
+        name: name of the activity in the package, such as "re_shelving_library_books".
+        instance: number of one of the activity's definitions, from 0; most activities have only the first.
 
     Raises:
         NoBddl: the package is missing.

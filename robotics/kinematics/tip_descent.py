@@ -206,7 +206,7 @@ def descend(screws: TipScrews, root_T_target: FloatArray, q: FloatArray) -> bool
 
     Args:
         screws: joints that move the tip.
-        root_T_target: (4, 4) wanted pose of the tip.
+        root_T_target: (4, 4) wanted pose of the tip, translation in [m].
         q: (n,) start, in [rad] or [m]; the result is written into it.
     """
     n, count = len(q), len(screws.slides)
@@ -260,7 +260,7 @@ def nearest_of_groups(
 
     Args:
         screws: joints that move the tip.
-        root_T_target: (4, 4) pose.
+        root_T_target: (4, 4) pose, translation in [m].
         postures: (groups, postures, n) in [rad] or [m].
         best: (groups,) integers, written.
     """

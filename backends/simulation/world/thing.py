@@ -130,7 +130,10 @@ class Thing(ABC):
 
 @lru_cache(maxsize=256)
 def middle_frame(ahead: float, above: float) -> Transform:
-    """Return a pose (4, 4) without rotation at x = `ahead` and z = `above` in [m]; the array is read-only."""
+    """Return the pose (4, 4) of a thing's middle in the thing's frame; it is read-only, without rotation.
+
+    Its translation is x = `ahead`, y = 0, z = `above`, in [m].
+    """
     pose = np.eye(4)
     pose[0, 3], pose[2, 3] = ahead, above
     pose.flags.writeable = False

@@ -44,7 +44,10 @@ class Home(NamedTuple):
 
 
 def home_of(urdf_text: str, base: str, hand: str, joints: Sequence[JointFacts], units: JointUnits) -> Home:
-    """Search a posture of the arm for driving: close to the base's axis and free of collisions.
+    """Search a posture of the arm for driving: near the base's vertical axis and free of collisions.
+
+    If no posture is free, the result is the posture in the middle of the joints' travels, and `is_free` is
+    False.
 
     Args:
         urdf_text: a valid URDF.

@@ -81,7 +81,7 @@ def in_base(stand: FloatArray, world_T_tool: FloatArray, out: FloatArray) -> Non
 
     Args:
         stand: (4,) x, y in the world in [m], cosine and sine of the heading of the base.
-        world_T_tool: (4, 4) pose of the tool.
+        world_T_tool: (4, 4) pose of the tool, translation in [m].
         out: (4, 4) base_T_tool, written.
     """
     cos, sin = stand[2], stand[3]

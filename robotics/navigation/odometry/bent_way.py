@@ -49,12 +49,12 @@ class BentWay(_BentSums):
         return np.asarray(self.rest.T @ self.rest + self.crossed[1:, 1:])
 
     def stepped(self, x: float, y: float, variance: float, slip: float) -> Self:
-        """Return the second-order errors of the odometry's position after one more step of the base.
+        """Return these sums after one more step of the base; `covariance` is their effect on the position.
 
         Args:
             x: x of the base's step on the map, in [m].
             y: y of the base's step on the map, in [m].
-            variance: variance of the heading, in [rad²].
+            variance: mean variance of the heading during the step, in [rad²].
             slip: part of the variance that this step has added, in [rad²].
         """
         along, aside = rest_sigmas(variance)

@@ -41,7 +41,7 @@ def flat_view(
     Args:
         image: (h, w), grey.
         camera: model of the camera.
-        camera_T_shelf: (4, 4) pose of the shelf.
+        camera_T_shelf: (4, 4) pose of the shelf, translation in [m].
         mask: (h, w) True where the image shows the shelf (False: a held book hides it); None: everywhere.
         m_per_px: size of a pixel of the view, in [m].
         heights: least and largest z that is shown, in the shelf frame, in [m]; None: all.

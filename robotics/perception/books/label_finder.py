@@ -29,7 +29,8 @@ def find_labels(
     Args:
         image: (h, w), grey.
         camera: model of the camera.
-        camera_T_shelf: (4, 4) pose of the shelf; it may be a few millimetres and degrees off.
+        camera_T_shelf: (4, 4) pose of the shelf, translation in [m]; it may be off by a few millimetres
+            and degrees.
         mask: (h, w) True where the image shows the shelf; None: everywhere.
 
     Raises:

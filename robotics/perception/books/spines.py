@@ -75,8 +75,8 @@ def find_spines(
     Args:
         image: (h, w), grey.
         camera: model of the camera.
-        camera_T_shelf: (4, 4) pose of the shelf; errors of a few millimetres and degrees shift all positions
-            alike.
+        camera_T_shelf: (4, 4) pose of the shelf, in [m]; errors of a few millimetres and degrees shift all
+            positions alike.
         labels: labels of the image, in the shelf frame.
         mask: (h, w) True where the image shows the shelf; None: everywhere.
         thicknesses: known thicknesses of books, in [m].

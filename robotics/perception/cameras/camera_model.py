@@ -82,7 +82,7 @@ class CameraModel(NamedTuple):
 
         Args:
             pixels: (n, 2) column and row, in [px].
-            camera_T_plane: (4, 4) pose of the frame.
+            camera_T_plane: (4, 4) pose of the frame, translation in [m].
             x: distance of the plane along the frame's x, in [m].
 
         Returns:
@@ -101,7 +101,7 @@ class CameraModel(NamedTuple):
 
         Args:
             points: (n, 2) y and z in the plane's frame, in [m].
-            camera_T_plane: (4, 4) pose of the frame.
+            camera_T_plane: (4, 4) pose of the frame, translation in [m].
             x: distance of the plane along the frame's x, in [m].
         """
         space = np.column_stack([np.full(len(points), x), points])
@@ -130,7 +130,7 @@ def plane_to_rays(camera_T_plane: FloatArray, x: float = 0.0) -> FloatArray:
     frame.
 
     Args:
-        camera_T_plane: (4, 4) pose of the plane's frame.
+        camera_T_plane: (4, 4) pose of the plane's frame, translation in [m].
         x: distance of the plane along the frame's x, in [m].
     """
     rotation, origin = camera_T_plane[:3, :3], camera_T_plane[:3, 3]
@@ -145,7 +145,7 @@ def picture_of_plane(
     The picture shows the plane as seen from the side of -x of its frame, with y to the left and z up.
 
     Args:
-        camera_T_plane: (4, 4) pose of the plane's frame.
+        camera_T_plane: (4, 4) pose of the plane's frame, translation in [m].
         upper_left: y and z of the picture's first pixel, in [m].
         m_per_px: size of a pixel, in [m].
         x: distance of the plane along the frame's x, in [m].

@@ -58,7 +58,7 @@ def draw_overlay(
         spines: spines in the shelf frame; drawn if camera and `camera_T_shelf` are given.
         gaps: gaps in the shelf frame; drawn as `spines` are.
         camera: model of the camera.
-        camera_T_shelf: (4, 4) pose of the shelf.
+        camera_T_shelf: (4, 4) pose of the shelf, translation in [m].
         landmarks: landmarks, drawn with their centres.
         outlines: polygons (n, 2), column and row in [px], drawn closed.
         points: (n, 2) column and row in [px], drawn as small circles.
