@@ -20,6 +20,10 @@ SUFFICIENT_GAP = 8e-4
 """Gap that may cost the whole budget."""
 FINER_SHARE = 0.15
 """Share of the rest that each smaller gap may cost: few decisions depend on it."""
+FINER_FACTOR = 3.0
+"""Least cost of a smaller gap, relative to that of all gaps before: one that its share of the budget cannot
+pay for is not begun.
+"""
 LATER_STEPS = 60_000.0
 """Budget of each further decision once the first one's is spent, in steps; some 0.2 s."""
 OPENING_STEPS, VISIT_STEPS = 50.0, 4.0
@@ -73,11 +77,15 @@ class BestValues:
         """
         if self._is_spent and state not in self._settled:
             self._effort = Effort(LATER_STEPS)
+        spent_before = self._effort.spent
         for number in range(len(VALUE_GAPS)):
             if self._settled.get(state, -1) >= number:
                 continue
             self._gap, whole = number, self._effort
             if VALUE_GAPS[number] < SUFFICIENT_GAP:
+                if FINER_SHARE * whole.left < FINER_FACTOR * (whole.spent - spent_before):
+                    self._settled[state] = len(VALUE_GAPS)
+                    break
                 self._effort = whole.part(FINER_SHARE)
             try:
                 self._settle_all(state)

@@ -11,22 +11,22 @@ from scipy.sparse import csc_array, eye_array
 from handcart.networks.chains.effort import Effort
 from handcart.networks.chains.step_maker import State
 from handcart.networks.graph.network import Action
-from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 from .process import Process
 from .situation_values import SituationValues
 from .state_rows import StateRows
 from .state_table import STOP_CHOICE, StateTable
 
-LOW_SWEEPS, HIGH_SWEEPS = 4, 5
+LOW_SWEEPS, HIGH_SWEEPS = 8, 10
 """Sweeps over all states for each round of the search."""
-EXPANDED_SHARE = 0.95
+EXPANDED_SHARE = 0.9
 """Share of the gap whose states are expanded in a round; below 1 there are more rounds but fewer states."""
 MIN_EXPANDED = 200
 """Maximum number of states that a round expands while the search has expanded fewer; later as many as it
 has.
 """
-ROUND_GROWTH = 0.5
+ROUND_GROWTH = 0.25
 """Share by which a round expands more states, level by level, while the policy leads on to new ones."""
 MAX_ROUND_LEVELS = 3
 """Maximum number of levels of states that a round expands, one behind the other."""
@@ -53,12 +53,17 @@ class _Solution(NamedTuple):
     """(states,) expected number of visits of the policy to each state of the table."""
 
 
+_Decision = tuple[Action | None, float, float]
+"""Best action in a state, and the lower and upper bound of its expected cost, in [s]."""
+
+
 class _Decisions(NamedTuple):
     """Best decision in each state by the upper bounds."""
 
     options: IntArray
     cost: FloatArray
-    is_likely: BoolArray
+    likely: dict[int, _Decision]
+    """Decisions in the states that the policy visits most, by the states' numbers."""
 
 
 class ComponentSearch:
@@ -140,7 +145,7 @@ class ComponentSearch:
             self._expand(chosen, visits)
             effort.spend(STATE_STEPS * (len(table.states) - before))
 
-    def decision(self, state: State) -> tuple[Action | None, float, float] | None:
+    def decision(self, state: State) -> _Decision | None:
         """Return the best action in a state, and the lower and upper bound of its expected cost, in [s].
 
         The result is None if the search has not examined the options of the state.
@@ -148,24 +153,17 @@ class ComponentSearch:
         number = self._table.number(self._rows.key(state))
         if number is None or not self._table.expanded[number]:
             return None
-        return self._decision(number)
+        made = self._made()
+        return self._decisions_in(np.array([number]), made.options, made.cost)[number]
 
-    def likely_decision(self, state: State) -> tuple[Action | None, float, float] | None:
+    def likely_decision(self, state: State) -> _Decision | None:
         """Return the best action in a state, and the lower and upper bound of its expected cost, in [s].
 
         The result is None if the best policy never leads to the state, or if it leads to more than
         `MAX_POLICY_STATES` states and this one is not among the `MAX_POLICY_STATES` most visited.
         """
         number = self._table.number(self._rows.key(state))
-        if number is None or not self._made().is_likely[number]:
-            return None
-        return self._decision(number)
-
-    def _decision(self, number: int) -> tuple[Action | None, float, float]:
-        made = self._made()
-        option, cost = int(made.options[number]), float(made.cost[number])
-        action = None if option == STOP_CHOICE else self._rows.actions[self._table.action(option)]
-        return action, cost, min(cost, float(self._table.low[number]))
+        return None if number is None else self._made().likely.get(number)
 
     def _made(self) -> _Decisions:
         """Return the decisions by the upper bounds, which are made once after each search."""
@@ -177,8 +175,25 @@ class ComponentSearch:
             likely = visits > 0.0
             if int(likely.sum()) > MAX_POLICY_STATES:
                 likely &= visits >= np.partition(visits, -MAX_POLICY_STATES)[-MAX_POLICY_STATES]
-            self._decisions = _Decisions(best.option, best.cost, likely)
+            decisions = self._decisions_in(np.flatnonzero(likely), best.option, best.cost)
+            self._decisions = _Decisions(best.option, best.cost, decisions)
         return self._decisions
+
+    def _decisions_in(self, states: IntArray, options: IntArray, costs: FloatArray) -> dict[int, _Decision]:
+        """Return the decisions in some states, by the states' numbers.
+
+        Args:
+            states: (n,) numbers of the states.
+            options: (states,) number of the best option in each state of the table.
+            costs: (states,) cost of each, in [s].
+        """
+        table, option, cost = self._table, options[states], costs[states]
+        low = np.minimum(cost, table.low[states])
+        actions = [
+            None if item == STOP_CHOICE else self._rows.actions[table.action(item)]
+            for item in option.tolist()
+        ]
+        return dict(zip(states.tolist(), zip(actions, cost.tolist(), low.tolist(), strict=True), strict=True))
 
     def _expand(self, chosen: IntArray, visits: FloatArray) -> None:
         """Expand states, and those behind them that the policy by the lower bounds is likely to reach.

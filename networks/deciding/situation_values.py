@@ -1,26 +1,24 @@
-"""Least expected cost from each situation if attempts are not counted: a lower bound that is often close."""
+"""Least expected cost from each situation if a run gets its attempts back there: a lower bound."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping, Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, eye_array
 
 from handcart.networks.graph.network import Action
-from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 from .process import Process
+from .stay_values import StayAction, StayValues, values_before_fails
 
 MAX_ROUNDS = 200
 """Rounds of policy iteration; some five are usual."""
 DENSE_MAX_SITUATIONS = 60
 MAX_TIGHT_SITUATIONS = 30
-"""Situations of a component up to which excluded actions tighten the lower bound."""
-MAX_TIGHT_SWEEPS, TIGHT_CHANGE_S = 40, 1e-6
-"""Maximum number of sweeps that tighten the bound, and the improvement in [s] below which they end."""
+"""Situations of a component up to which limited attempts tighten the lower bound."""
 _Row = tuple[float, list[tuple[float, int]]]
 """Cost of an action in [s], with the probability and index within its component of each situation that
 follows.
@@ -30,14 +28,15 @@ _BETTER = 1e-12
 
 
 class SituationValues:
-    """Lower bounds of the expected cost from each situation of a network, computed without counting attempts.
+    """Lower bounds of the expected cost from each situation of a network.
 
     V(s) = min over actions of (cost + g K + sum of p V(t)), and at most K. K is the price of calling a person
     in s, g the action's probability of GiveUp, and p that of each situation t that the action may lead to.
     Attempts are unlimited here, so that V is at most the expected cost with limited attempts.
 
     Strongly connected components are solved one by one, each after those to which it leads. One step solves a
-    component without a loop (Knuth 1977), policy iteration all others (Howard 1960).
+    component without a loop (Knuth 1977), policy iteration all others (Howard 1960). In components of up to
+    `MAX_TIGHT_SITUATIONS` situations, V is then raised by counting the attempts of each stay (`StayValues`).
     """
 
     def __init__(self, process: Process) -> None:
@@ -45,12 +44,13 @@ class SituationValues:
         self._process = process
         self.value: dict[str, float] = {process.network.goal: 0.0}
         """Value of each situation, in [s]."""
-        self._tight: dict[int, dict[bytes, FloatArray]] = {}
-        """Values (situations,) of each component for excluded actions, which are packed as bits."""
+        self._staying: dict[int, StayValues] = {}
         self._without: dict[tuple[int, frozenset[int]], Mapping[str, float]] = {}
-        self._in_arrays: dict[int, tuple[FloatArray, FloatArray, IntArray, IntArray]] = {}
+        has_loops = any(len(names) > 1 for names in process.parts)
         for number in range(len(process.parts)):
             self.value |= self._solved(number, ())
+            if has_loops:  # otherwise the states themselves are solved one by one, and need no close bound
+                self.value |= self._tightened(number)
 
     def without(self, situation: str, out: frozenset[int]) -> float:
         """Return a lower bound of the expected cost from a situation, in [s], if some actions are excluded.
@@ -65,77 +65,69 @@ class SituationValues:
         known = self._without.get((number, out))
         if known is None:
             known = self._without[number, out] = self._solved(number, out)
-        return known[situation]
+        return max(known[situation], self.value[situation])
 
-    def without_each(self, number: int, out: BoolArray, places: IntArray) -> FloatArray:
-        """Return lower bounds of the expected cost for n states of one component, with excluded actions.
+    def with_attempts(self, number: int, attempts: FloatArray, places: IntArray) -> FloatArray:
+        """Return lower bounds of the expected cost for n states of one component, by their attempts.
 
         Args:
             number: number of the component, which is a strongly connected component of the network.
-            out: (n, actions) mask of the actions excluded in each state. The actions are those that start in
-                the component, in the order of its situations.
+            attempts: (n, actions) remaining attempts of each action in each state, infinite where a run does
+                not use them up. The actions are those that start in the component, in the order of its
+                situations.
             places: (n,) index of each state's situation within the component.
 
         Returns:
             (n,) lower bounds, in [s].
         """
-        process = self._process
-        names = [name for name in process.parts[number] if name != process.network.goal]
-        known = np.array([self.value[name] for name in names])
-        if len(names) > MAX_TIGHT_SITUATIONS or not out.any():
-            return known[places]
-        cases, case = np.unique(_packed(out), return_inverse=True)
-        tight = self._tight.setdefault(number, {})
-        keys = [key.tobytes() for key in cases]
-        new = [place for place, key in enumerate(keys) if key not in tight]
-        if new:
-            first = np.empty(len(cases), np.int64)
-            first[case] = np.arange(len(case))
-            values = self._tightened(number, names, out[first[new]])
-            tight.update((keys[place], row) for place, row in zip(new, values, strict=True))
-        return np.asarray(np.array([tight[key] for key in keys])[case, places])
+        stays = self._stays(number)
+        if stays is None:
+            names = self._names(number)
+            return np.array([self.value[name] for name in names])[places]
+        return np.asarray(stays.values(attempts)[np.arange(len(places)), places])
 
-    def _tightened(self, number: int, names: Sequence[str], cases: BoolArray) -> FloatArray:
-        """Return lower bounds (n, situations) for a component without some actions, in [s].
+    def _names(self, number: int) -> list[str]:
+        return [name for name in self._process.parts[number] if name != self._process.network.goal]
 
-        Args:
-            number: number of the component.
-            names: its situations.
-            cases: (n, actions) the excluded actions, in the order of the component's situations.
-        """
-        cost, follows, first, able = self._arrays(number, names)
-        stops = np.array([self._process.stop_price(name) for name in names])
-        values = np.tile([self.value[name] for name in names], (len(cases), 1))
-        for _ in range(MAX_TIGHT_SWEEPS):
-            options = np.where(cases, np.inf, cost + values @ follows.T)
-            better = np.tile(stops, (len(cases), 1))
-            better[:, able] = np.minimum(stops[able], np.minimum.reduceat(options, first, axis=1))
-            change = float(np.max(better - values))
-            np.maximum(values, better, out=values)
-            if change < TIGHT_CHANGE_S:
-                break
-        return values
+    def _stays(self, number: int) -> StayValues | None:
+        """Return the bounds of a component by attempts, made once; None if it is too large for them."""
+        names = self._names(number)
+        if not 0 < len(names) <= MAX_TIGHT_SITUATIONS:
+            return None
+        if number not in self._staying:
+            known = [self.value[name] for name in names]
+            stop = self._process.stop_price(names[0])
+            self._staying[number] = StayValues(self._actions(names), known, stop)
+        return self._staying[number]
 
-    def _arrays(self, number: int, names: Sequence[str]) -> tuple[FloatArray, FloatArray, IntArray, IntArray]:
-        """Return costs and transitions of the actions of a component, made once.
+    def _tightened(self, number: int) -> dict[str, float]:
+        """Return values of a component that count the attempts of each stay in a situation."""
+        names = self._names(number)
+        if not 0 < len(names) <= MAX_TIGHT_SITUATIONS:
+            return {}
+        known, stop = [self.value[name] for name in names], self._process.stop_price(names[0])
+        return dict(zip(names, values_before_fails(self._actions(names), known, stop), strict=True))
 
-        Returns:
-            Costs (actions,) in [s]; probabilities (actions, situations); and for each situation that has
-                actions, the index of its first action and the index of the situation, both (k,).
-        """
-        if number not in self._in_arrays:
-            inside = {name: place for place, name in enumerate(names)}
-            rows = [[self._row(action, inside) for action in self._process.out[name]] for name in names]
-            every = [row for item in rows for row in item]
-            follows = np.zeros((len(every), len(names)))
-            for place, (_, links) in enumerate(every):
-                for p, to in links:
-                    follows[place, to] += p
-            count = np.array([len(item) for item in rows])
-            able = np.flatnonzero(count)
-            first = (np.cumsum(count) - count)[able]
-            self._in_arrays[number] = np.array([cost for cost, _ in every]), follows, first, able
-        return self._in_arrays[number]
+    def _actions(self, names: Sequence[str]) -> list[list[StayAction]]:
+        inside = {name: place for place, name in enumerate(names)}
+        return [[self._stay(action, inside) for action in self._process.out[name]] for name in names]
+
+    def _stay(self, action: Action, inside: Mapping[str, int]) -> StayAction:
+        process, first_fail = self._process, 1 + len(action.others)
+        cost, fails, remains = process.price(action), 0.0, 0.0
+        links: dict[int, float] = {}
+        for number, (p, to) in enumerate(process.endings(action)):
+            if to == action.source and number >= first_fail:
+                fails += p
+            elif to == action.source:
+                remains += p
+            elif to in inside:
+                links[inside[to]] = links.get(inside[to], 0.0) + p
+            elif p > 0.0:
+                cost += p * self.value[to]
+        allowed = action.allowance
+        attempts = math.inf if allowed.unlimited or allowed.renewals else float(allowed.limit)
+        return StayAction(cost, fails, remains, [(p, to) for to, p in links.items()], attempts)
 
     def _solved(self, number: int, out: Collection[int]) -> dict[str, float]:
         process = self._process
@@ -184,15 +176,6 @@ class SituationValues:
                 if found < best:
                     best, chosen[place], values[place], changed = found, number, found, True
         return changed
-
-
-def _packed(out: BoolArray) -> NDArray[Any]:
-    """Return the rows of a mask (n, k) as one value each, (n,): an integer, or bytes if k is above 64."""
-    words = -(-out.shape[1] // 64)
-    whole = np.zeros((len(out), 64 * words), bool)
-    whole[:, : out.shape[1]] = out
-    packed = np.ascontiguousarray(np.packbits(whole, axis=1))
-    return packed.view(np.uint64 if words == 1 else f"V{8 * words}")[:, 0]
 
 
 def _evaluated(options: Sequence[Sequence[_Row]], chosen: Sequence[int], stops: FloatArray) -> FloatArray:

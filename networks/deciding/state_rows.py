@@ -90,6 +90,7 @@ class StateRows:
             [MAX_ATTEMPTS if attempts.unlimited else attempts.limit for attempts in allowed], np.int64
         )
         self._returns = np.array([bool(attempts.renewals) for attempts in allowed])
+        self._unlimited = np.array([attempts.unlimited for attempts in allowed])
         sources = [self._place[action.source] for action in self.actions]
         self._first = np.searchsorted(sources, np.arange(self.inside + 1))
         renewed_by = self._process.network.renewed_by
@@ -130,18 +131,18 @@ class StateRows:
         }
         return self._process.after.at(self.names[int(row[0])], counts)
 
-    def excluded(self, rows: Uint16Array) -> BoolArray:
-        """Return a mask (n, actions) of the actions whose attempts are used up and cannot be given back.
+    def attempts(self, rows: Uint16Array) -> FloatArray:
+        """Return the remaining attempts (n, actions) of each action, infinite if a run does not use them up.
+
+        Actions whose attempts may be given back count as unlimited.
 
         Args:
             rows: (n, 1 + counters) index of the situation and counts of Fails of each state, as in
                 `StateRows`.
         """
-        return np.asarray(self._out(rows, np.arange(len(self.actions))) & ~self._returns)
-
-    def _out(self, rows: Uint16Array, actions: IntArray) -> BoolArray:
-        counts = rows[:, 1 + self._counter[actions]].astype(np.int64)
-        return np.asarray(counts % self._width[actions] >= self._most[actions])
+        left = self._most - rows[:, 1 + self._counter].astype(np.int64) % self._width
+        left = np.where(self._unlimited & (left > 0), np.inf, np.maximum(0, left))
+        return np.where(self._returns, np.inf, left)
 
     def following(self, rows: Uint16Array) -> Following:
         """Return the actions that can be started in n given states, and the states that follow each action.

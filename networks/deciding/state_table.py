@@ -15,6 +15,7 @@ from .state_rows import StateRows
 
 STOP_CHOICE = -1
 """Choice of calling a person."""
+NEW_STATE = -1
 
 
 class Choices(NamedTuple):
@@ -106,16 +107,15 @@ class StateTable:
             rows: (n, 1 + counters) states: index of the situation, then the number of Fails by each counter.
         """
         numbers, new = self._numbers, list[int]()
-        found = np.empty(len(rows), np.int64)
-        width = rows.shape[1] * rows.itemsize
-        keys = np.ascontiguousarray(rows).tobytes()
-        for place in range(len(rows)):
-            key = keys[place * width : (place + 1) * width]
-            number = numbers.get(key)
-            if number is None:
-                number = numbers[key] = len(numbers)
+        keys = np.ascontiguousarray(rows).view(f"V{rows.shape[1] * rows.itemsize}")[:, 0].tolist()
+        known = numbers.get
+        found = np.array([known(key, NEW_STATE) for key in keys], np.int64)
+        for place in np.flatnonzero(found == NEW_STATE).tolist():
+            key = keys[place]
+            if key not in numbers:
+                numbers[key] = len(numbers)
                 new.append(place)
-            found[place] = number
+            found[place] = numbers[key]
         if new:
             self._append(rows[new])
         return found
@@ -125,7 +125,7 @@ class StateTable:
         stop = self.rows.stop_price[places]
         low = np.array([self._bounds.value[name] for name in self.rows.names])[places]
         here = places < self.rows.inside
-        low[here] = self._bounds.without_each(self._part, self.rows.excluded(rows[here]), places[here])
+        low[here] = self._bounds.with_attempts(self._part, self.rows.attempts(rows[here]), places[here])
         self._states.extend(rows)
         self._low.extend(np.minimum(low, stop))
         self._high.extend(stop)

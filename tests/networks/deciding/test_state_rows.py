@@ -15,6 +15,7 @@ from handcart.networks.deciding.state_rows import StateRows
 from handcart.networks.graph.network import Action, ActionNetwork, Ending, FailEnding, Situation
 
 COUNT = 7
+RENEWING_SEED = 5
 
 
 def drawn_process(seed: int) -> Process:
@@ -86,10 +87,12 @@ def test_rows_are_followed_by_the_states_of_the_process(seed: int) -> None:
     assert len(seen) > 5
 
 
-def test_excluded_actions_are_those_that_stay_excluded() -> None:
-    process = drawn_process(3)
+def test_attempts_left_are_unlimited_where_they_come_back() -> None:
+    process = drawn_process(RENEWING_SEED)
     rows = StateRows(process, process.part["s0"])
-    full = np.full((1, 1 + len(rows.counters)), 2, np.uint16)
-    out = rows.excluded(full)[0]
-    for place, action in enumerate(rows.actions):
-        assert out[place] == (not action.renewals and not action.unlimited)
+    assert {bool(action.renewals) for action in rows.actions} == {True, False}
+    for fails, left in ((0, 2.0), (1, 1.0), (2, 0.0)):
+        counts = np.full((1, 1 + len(rows.counters)), fails, np.uint16)
+        found = rows.attempts(counts)[0]
+        for place, action in enumerate(rows.actions):
+            assert found[place] == (np.inf if action.renewals or action.unlimited else left)
