@@ -119,9 +119,11 @@ class KeyframeLayer:
         )
 
     def _has_near(self, pose: Pose2) -> bool:
-        away = np.hypot(*(self._poses[:, :2] - pose[:2]).T)
-        turns = np.abs(np.remainder(self._poses[:, 2] - pose.theta + math.pi, 2.0 * math.pi) - math.pi)
-        return bool(np.any((away < NEW_KEYFRAME_M) & (turns < NEW_KEYFRAME_RAD)))
+        x, y, theta = pose
+        return any(
+            math.hypot(near_x - x, near_y - y) < NEW_KEYFRAME_M and abs(wrap(turn - theta)) < NEW_KEYFRAME_RAD
+            for near_x, near_y, turn in reversed(self._poses.tolist())
+        )
 
     def _anchored(self, pose: Pose2) -> FloatArray | None:
         """Return the least covariance (3, 3) of a near keyframe, carried over to a pose; None without one."""

@@ -17,7 +17,7 @@ import numpy as np
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.arrays import FloatArray, Int32Array, Uint16Array
-from handcart.robotics.numerics.compiled import compiled_fast
+from handcart.robotics.numerics.compiled import compiled, compiled_fast
 
 from .likelihood_field import STEPS_PER_CELL, FieldValues, beam_sectors
 
@@ -80,13 +80,13 @@ def weakest_evidence(
     lever = information[:2, 2] / max(float(information[2, 2]), 1e-9)
     inner = information[:2, :2] - lever[:, None] * information[2, :2]
     direction = _weakest_axis(inner)
-    used = np.flatnonzero(reading.distances < 4.0 * scale)
-    if not len(used):
+    sectors, seen, distances, slopes = near_points(
+        points, reading.distances, reading.slopes, 4.0 * scale, pose[:2], len(facing)
+    )
+    if not len(seen):
         return ScanEvidence(direction, 0.0)
-    near = reading.distances[used], reading.slopes[used]
-    seen, middle = points[used], np.array(pose[:2])
-    sectors = beam_sectors(seen, pose[:2], len(facing))
-    shifted = _Shifted(grid, facing, sectors, seen, *near, middle, lever, scale)
+    middle = np.array(pose[:2])
+    shifted = _Shifted(grid, facing, sectors, seen, distances, slopes, middle, lever, scale)
     across, claimed = shifted.rise(direction)
     if across < PLAIN_SHARE * claimed:
         direction = shifted.flattest(direction)
@@ -154,6 +154,41 @@ class _Shifted(NamedTuple):
         steps, corner = SHIFT_CELLS * grid.resolution, (grid.origin_x, grid.origin_y)
         where = rays, steps, every, corner, grid.resolution, self.facing, self.sectors, self.points
         return rises(*where, self.distances, slopes, self.middle, self.lever, self.scale)
+
+
+@compiled
+def near_points(
+    points: FloatArray,
+    distances: FloatArray,
+    slopes: FloatArray,
+    limit: float,
+    sensor: tuple[float, float],
+    sector_count: int,
+) -> tuple[Int32Array, FloatArray, FloatArray, FloatArray]:
+    """Return the points of a scan that are near surfaces of a map, with their values.
+
+    Args:
+        points: (n, 2) end points of beams on the map, in [m].
+        distances: (n,) of the points to the nearest surface, in [m].
+        slopes: (n, 2) of the distances along x and y of the map.
+        limit: distance below which a point is near, in [m].
+        sensor: x and y of the sensor on the map, in [m].
+        sector_count: length of `LikelihoodField.facing`.
+
+    Returns:
+        Of the m near points: sectors (m,) as `beam_sectors` returns them, points (m, 2), distances (m,) and
+            slopes (m, 2).
+    """
+    seen, near, sloped = np.empty((len(points), 2)), np.empty(len(points)), np.empty((len(points), 2))
+    count = 0
+    for i in range(len(points)):
+        if distances[i] < limit:
+            seen[count, 0], seen[count, 1] = points[i, 0], points[i, 1]
+            sloped[count, 0], sloped[count, 1] = slopes[i, 0], slopes[i, 1]
+            near[count] = distances[i]
+            count += 1
+    seen = seen[:count]
+    return beam_sectors(seen, sensor, sector_count), seen, near[:count], sloped[:count]
 
 
 @compiled_fast
