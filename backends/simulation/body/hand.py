@@ -169,7 +169,8 @@ class SimulatedHand:
         steps = max(1, int(np.ceil(self.contact.travel(start, target) / _STEP)))
         for number in range(1, steps + 1):
             share = number / steps
-            there = self.contact.deepest_of_arm(start + share * (target - start), self._skip)
+            posture = target if number == steps else start + share * (target - start)
+            there = self.contact.deepest_of_arm(posture, self._skip)
             if there.depth > (0.0 if number == steps else _GRAZES):
                 return share - 1.0 / steps, share, there
         return 0.0, 1.0, NO_TOUCH

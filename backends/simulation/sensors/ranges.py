@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from handcart.backends.simulation.world.solids import FloorPlan
@@ -32,8 +34,8 @@ def cast_rays(plan: FloorPlan, sensor: Pose2, angles: FloatArray, time: float, r
     here = plan.local(sensor.x, sensor.y)
     near = np.hypot(*np.maximum(np.abs(here) - plan.half, 0.0).T) < reach
     near &= plan.there(time)
-    here, half, cos, sin = here[near], plan.half[near], plan.cos[near], plan.sin[near]
-    heading = np.arctan2(sin, cos) - sensor.theta
+    here, half = here[near], plan.half[near]
+    heading = plan.headings[near] - sensor.theta
     outline, beam = _pairs(here, half, heading, angles)
     turned = angles[beam] - heading[outline]
     enter, leave = _slab(here[outline, 0], half[outline, 0], np.cos(turned))
@@ -61,21 +63,26 @@ def _pairs(
         heading: (m,) headings of the outlines in the sensor frame, in [rad].
         angles: (n,) of the beams in the sensor frame, in [rad].
     """
-    order = np.argsort(angles)
-    sorted_angles = angles[order]
+    order, around = _sorted_twice(angles.tobytes())
     corners = _CORNERS * half[:, None] - here[:, None]
     middle = np.arctan2(-here[:, 1], -here[:, 0])
     # Seen from outside no outline is as wide as half a turn.
     beside = _wrapped(np.arctan2(corners[..., 1], corners[..., 0]) - middle[:, None])
     low = beside.min(axis=1) - _GRAZING
-    turns = 2 * np.pi
-    first = sorted_angles[0] + np.mod(middle + heading + low - sorted_angles[0], turns)
-    around = np.concatenate([sorted_angles, sorted_angles + turns])
+    first = around[0] + np.mod(middle + heading + low - around[0], 2 * np.pi)
     begin = np.searchsorted(around, first)
     count = np.searchsorted(around, first + beside.max(axis=1) + _GRAZING - low) - begin
     outline = np.repeat(np.arange(len(here)), count)
     place = np.arange(len(outline)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(begin, count)
     return outline, order[place % len(angles)]
+
+
+@lru_cache(maxsize=16)
+def _sorted_twice(angles: bytes) -> tuple[IntArray, FloatArray]:
+    """Return the order of beams by their angles (n,), and the sorted angles of two turns (2n,), in [rad]."""
+    given = np.frombuffer(angles)
+    order = np.argsort(given)
+    return order, np.concatenate([given[order], given[order] + 2 * np.pi])
 
 
 def _wrapped(angle: FloatArray) -> FloatArray:

@@ -115,6 +115,7 @@ class FloorPlan:
         poses = np.array([solid.box.pose for solid in chosen]).reshape(-1, 4, 4)
         self.middle: FloatArray = poses[:, :2, 3]
         self.cos, self.sin = poses[:, 0, 0], poses[:, 1, 0]
+        self.headings: FloatArray = np.arctan2(self.sin, self.cos)
         self.half = np.array([solid.box.size[:2] for solid in chosen]).reshape(-1, 2) / 2
         self._appears = np.array([solid.appears for solid in chosen])
         self._leaves = np.array([solid.leaves for solid in chosen])
