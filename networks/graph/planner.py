@@ -83,7 +83,8 @@ class Planner:
 
     def fails(self, action: Action) -> int:
         """Return the Fails that count for an action, including those of actions that share its attempts."""
-        return action.allowance.fails(self.counts.get(action.counter, 0))
+        count = self.counts.get(action.counter, 0)
+        return action.allowance.fails(count) if count else 0
 
     def failed(self, action: Action, reason: str, *, permanent: bool = False) -> None:
         """Count a Fail; a permanent one uses up all attempts.

@@ -169,7 +169,9 @@ class Journal:
             body = orjson.dumps(record, _plain, _OPTIONS)
         except TypeError as error:
             raise self._poison(f"record {number} ({kind}) is not valid JSON: {error}") from None
-        line, checksum = seal(body, {"unix_s": round(self._clock(), 6), **wall})
+        # The same as `round(..., 6)`, which takes several times as long for numbers of this size.
+        unix_s = int(self._clock() * 1e6 + 0.5) / 1e6
+        line, checksum = seal(body, {"unix_s": unix_s, **wall} if wall else {"unix_s": unix_s})
         self._write(line, is_followed)
         self._next, self._last = number + 1, checksum
         return number
@@ -214,13 +216,14 @@ class Journal:
         try:
             if not is_followed and _identity(os.stat(self._name)) != self._identity:
                 raise self._poison("was replaced while it was written")
-            if os.write(self._file, line) != len(line):
+            size = len(line)
+            if os.write(self._file, line) != size:
                 self._write_again(line)
             if self._disk is not None:
                 self._disk.ask()
         except OSError as error:
             raise self._poison(f"can't be written: {error.strerror}") from None
-        self._size += len(line)
+        self._size += size
 
     def _write_again(self, line: bytes) -> None:
         """Write a record once more, of which only a part was written."""

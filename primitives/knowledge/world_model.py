@@ -347,9 +347,9 @@ class ModelView:
 
     def __init__(self, model: WorldModel, primitive: Declares, part: object = None) -> None:
         """Restrict a model, or the section `part` of it, to what a primitive declares."""
-        object.__setattr__(self, "_model", model)
-        object.__setattr__(self, "_primitive", primitive)
-        object.__setattr__(self, "_part", model if part is None else part)
+        own = self.__dict__  # setting an attribute would ask the primitive
+        own["_model"], own["_primitive"] = model, primitive
+        own["_part"] = model if part is None else part
 
     def of(self, kind: type[SectionT]) -> SectionT:
         """Return a view of the section of class `kind`, with only the entries that the primitive declares."""

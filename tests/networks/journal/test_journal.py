@@ -28,6 +28,16 @@ def test_read_back(tmp_path: Path) -> None:
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
 
 
+def test_wall_clock_is_written_to_the_microsecond(tmp_path: Path) -> None:
+    times = [1.7e9 + 0.1234567 * number for number in range(200)] + [0.0, 2.5, 4.1e9 + 0.9999996]
+    clock = iter(times)
+    with Journal(tmp_path / "j.jsonl", clock=lambda: next(clock)) as journal:
+        for _ in times:
+            journal.append("STEP", 0.0, {})
+    found = [record["wall"]["unix_s"] for record in read_journal(tmp_path / "j.jsonl").records]
+    assert found == [round(time_s, 6) for time_s in times]
+
+
 def test_truncated_at_any_byte(tmp_path: Path) -> None:
     """D1: complete records are there, the torn tail is reported."""
     whole = written(tmp_path / "j.jsonl", 3)
