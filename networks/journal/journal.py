@@ -169,8 +169,8 @@ class Journal:
             body = orjson.dumps(record, _plain, _OPTIONS)
         except TypeError as error:
             raise self._poison(f"record {number} ({kind}) is not valid JSON: {error}") from None
-        # The same as `round(..., 6)`, which takes several times as long for numbers of this size.
-        unix_s = int(self._clock() * 1e6 + 0.5) / 1e6
+        # `round(..., 6)` takes several times as long for numbers of this size.
+        unix_s = round(self._clock() * 1e6) / 1e6
         line, checksum = seal(body, {"unix_s": unix_s, **wall} if wall else {"unix_s": unix_s})
         self._write(line, is_followed)
         self._next, self._last = number + 1, checksum
