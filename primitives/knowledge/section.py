@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar
 import numpy as np
 
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.plain_values import attributes
 from handcart.backends.robot.robot import Robot
 from handcart.files.errors import FileError, Finding
 from handcart.files.findings import Findings
@@ -113,6 +114,8 @@ class Section:
     """
     LEARNED: ClassVar[tuple[str, ...]] = ()
     """Entries that a run finds out: a checkpoint keeps them, by their annotated types."""
+    ADDED: ClassVar[tuple[str, ...]] = ()
+    """Entries of `LEARNED` that older checkpoints lack; they keep their defaults then."""
     ELEMENT: ClassVar[tuple[str, ...]] = ()
     """Entries of `LEARNED` that are cleared (None) when a `repeat` of the task's file goes on to its next
     element.
@@ -227,6 +230,13 @@ class Section:
         """
         for name in self.ELEMENT:
             setattr(self, name, None)
+
+    @classmethod
+    def with_added(cls, learned: object) -> object:
+        """Return a checkpoint's values of learned entries, with defaults for `ADDED` ones that it lacks."""
+        if not isinstance(learned, dict):
+            return learned
+        return {**attributes(cls(), {name: types_of(cls)[name] for name in cls.ADDED}), **learned}
 
     @classmethod
     def learned_types(cls) -> dict[str, Any]:

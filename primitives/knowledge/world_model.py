@@ -302,7 +302,7 @@ class WorldModel:
         set_attributes(self, self.LEARNED, {"in_hand": "", **learned})  # older checkpoints have none
         for name, learned in state["sections"].items():
             section = self._section(name, there[name])
-            set_attributes(section, section.learned_types(), learned)
+            set_attributes(section, section.learned_types(), section.with_added(learned))
         self.redraw_moved()
         self._noted = self._now()
 

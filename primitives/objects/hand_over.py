@@ -19,7 +19,6 @@ from handcart.files.suggest import suggest
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
-from handcart.primitives.motions.arm_motion import move_straight
 from handcart.primitives.motions.grip import close, open_to
 from handcart.primitives.motions.pushing import relax
 from handcart.primitives.objects.holding.carrying import stow
@@ -30,8 +29,12 @@ from handcart.primitives.objects.knowledge import object_causes
 from handcart.primitives.objects.knowledge.object_names import name_in_world
 from handcart.primitives.objects.knowledge.objects import HeldObject, Objects
 from handcart.primitives.objects.looking.floor_look import FloorLook, look_at_floor
-from handcart.primitives.objects.site.object_site import held_box, kind_of, surroundings
-from handcart.primitives.objects.site.roomy_motion import move_with_room, surroundings_to_try
+from handcart.primitives.objects.site.object_site import held_box, kind_of
+from handcart.primitives.objects.site.roomy_motion import (
+    move_straight_with_room,
+    move_with_room,
+    surroundings_to_try,
+)
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.preconditions.hand_use import LETS_GO
@@ -84,7 +87,7 @@ class HandOver(ActionPrimitive):
 
     needs: ClassVar = (ForceArm, Gripper, AnyCamera)
     reads: ClassVar = ("map", "sensed_cells", "objects", "detectors", "sightings")
-    writes: ClassVar = ("held_object",)
+    writes: ClassVar = ("held_object", "handed_over")
     hand: ClassVar = LETS_GO
     asks_permission: ClassVar = True
 
@@ -129,6 +132,7 @@ class HandOver(ActionPrimitive):
         self.point_of_no_return(f"the fingers let {held.object} go")
         yield from open_to(robot)
         objects.held_object = None
+        objects.handed_over = tuple(dict.fromkeys((*objects.handed_over, held.object)))
         released = (robot.base_T("hand") @ held.hand_T_object)[:3, 3]
         yield from self._check_hand(robot, model)
         seen = yield from look_at_floor(robot, model, self.evidence, held.object, released, self.floor)
@@ -160,8 +164,12 @@ class HandOver(ActionPrimitive):
         hand.
         """
         self._phase = HeldPhase.CARRIED
-        if self._watch is not None:
-            yield from self._await_calm(robot, self._watch)
+        if self._watch is not None and not self._watch.is_calm:
+            yielding = Trace(robot)
+            for _ in self._await_calm(robot, self._watch):
+                yielding.record()
+                yield
+            trace = trace.left_after(yielding)
         yield from retrace(robot, start, trace)
 
     def _planned(self, robot: Robot, model: ModelView, held: HeldObject) -> Generator[None, None, FloatArray]:
@@ -259,7 +267,8 @@ class HandOver(ActionPrimitive):
         raise Discrepancy(f"nobody takes the object{early}", measured=waited, cause=object_causes.NOT_TAKEN)
 
     def _await_calm(self, robot: Robot, watch: PullWatch) -> Periods:
-        """Wait until nobody pulls."""
+        """Wait until nobody pulls, with an arm that yields: one that presses on something never gets calm."""
+        yield from relax(robot)
         end = robot.time + CALM_TIMEOUT_S
         while not watch.is_calm:
             if robot.time > end:
@@ -275,9 +284,7 @@ class HandOver(ActionPrimitive):
         """
         yield from robot.wait(TAKING_TIME_S)
         try:
-            yield from move_straight(
-                robot, withdrawn(robot.base_T("hand")), around=surroundings(robot, model)
-            )
+            yield from move_straight_with_room(robot, model, withdrawn(robot.base_T("hand")))
         except Discrepancy as no_way:
             if no_way.cause is not causes.NO_ARM_PATH:
                 raise

@@ -12,8 +12,8 @@ from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import collision_model
 from handcart.primitives.objects.files.object_kind import ObjectKind
-from handcart.primitives.objects.site.object_site import held_box, surroundings
-from handcart.primitives.objects.site.roomy_motion import move_with_room
+from handcart.primitives.objects.site.object_site import held_box
+from handcart.primitives.objects.site.roomy_motion import move_with_room, surroundings_to_try
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.geometry.transform import Transform, apply, inverse, transform
@@ -49,11 +49,13 @@ def stow(
     if kind is None or hand_T_object is None:
         yield from move_with_room(robot, model, np.array(robot.spec.posture("home")))
         return
-    held, around = held_box(kind, hand_T_object), surroundings(robot, model)
-    joints = yield from robot.compute(carrying_joints, robot, kind, hand_T_object, around)
-    if joints is None:
+    for around in surroundings_to_try(robot, model):
+        joints = yield from robot.compute(carrying_joints, robot, kind, hand_T_object, around)
+        if joints is not None:
+            break
+    else:
         raise Discrepancy("the arm finds no posture to carry it in", cause=causes.NO_ARM_PATH)
-    yield from move_with_room(robot, model, joints, held)
+    yield from move_with_room(robot, model, joints, held_box(kind, hand_T_object))
 
 
 def carrying_joints(

@@ -78,7 +78,8 @@ class Objects(Section):
     """Section of a world model with the objects and surfaces of a file, and where they were seen last."""
 
     FILES: ClassVar = {"objects": ObjectsFile}
-    LEARNED: ClassVar = ("sightings", "held_object", "surface_poses")
+    LEARNED: ClassVar = ("sightings", "held_object", "surface_poses", "handed_over")
+    ADDED: ClassVar = ("handed_over",)
 
     objects: ObjectsFile = NOTHING_KNOWN
     """Kinds, objects and surfaces."""
@@ -88,6 +89,8 @@ class Objects(Section):
     """The object in the hand."""
     surface_poses: tuple[SurfacePose, ...] = ()
     """Surfaces as they were measured last, each once."""
+    handed_over: tuple[str, ...] = ()
+    """Names of objects that a person took out of the hand, each once."""
     listed: Loaded[ObjectsFile] | None = field(default=None, repr=False, compare=False)
     """The file with the lines of its values."""
     detectors: Mapping[str, Detector] = field(default_factory=dict, repr=False, compare=False)
@@ -294,6 +297,11 @@ class Objects(Section):
         """Return the sightings of all objects but the one named `name`."""
         return tuple(sighting for sighting in self.sightings if sighting.object != name)
 
+    def is_taken_away(self, name: str) -> bool:
+        """Return whether an object is not where the file states: it is in the hand, or a person has it."""
+        held = self.held_object
+        return name in self.handed_over or (held is not None and held.object == name)
+
     @override
     def noted(self) -> dict[str, Any]:
         held = self.held_object
@@ -305,6 +313,7 @@ class Objects(Section):
                 [pose.surface, list(pose.pose), pose.covariance] for pose in self.surface_poses
             ],
             "held_object": None if held is None else [held.object, held.hand_T_object.round(6).tolist()],
+            "handed_over": list(self.handed_over),
         }
 
 

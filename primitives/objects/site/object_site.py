@@ -62,11 +62,12 @@ def _believed(objects: Objects, without: str) -> Iterator[Cylinder]:
     A cylinder ends before what a close look at the object `without` has shown: no other object is there. One
     that would begin there is left out.
     """
-    held = "" if objects.held_object is None else objects.held_object.object
     target = objects.seen(without)
     for name, known in objects.objects.objects.items():
         believed = objects.believed(name)
-        if believed is None or name in (without, held) or objects.seen(name) is not None:
+        if believed is None or name == without or objects.seen(name) is not None:
+            continue
+        if objects.is_taken_away(name):
             continue
         x, y, kind, surface = believed.x, believed.y, objects.objects.kind_of(name), objects.surface(known.on)
         reach = kind.foot_radius + min(BELIEF_SIGMAS * known.sigma_mm / 1e3, MAX_BELIEF_M)

@@ -11,10 +11,11 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.driving.driving import map_with_cells
 from handcart.primitives.knowledge.world_model import ModelView
-from handcart.primitives.motions.arm_motion import collision_model, move_to_joints
+from handcart.primitives.motions.arm_motion import collision_model, move_straight, move_to_joints
 from handcart.primitives.objects.knowledge.objects import Objects
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
+from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Box, Solid
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -128,3 +129,24 @@ def move_with_room(
             if no_way.cause is not causes.NO_ARM_PATH:
                 raise
     yield from move_to_joints(robot, joints, held, (*last, *also_around))
+
+
+def move_straight_with_room(robot: Robot, model: ModelView, base_T_hand: Transform) -> Periods:
+    """Move the empty hand in a straight line, clear of surfaces, objects and those walls that the arm is
+    clear of now.
+
+    Walls that the arm is too close to already are left out, as the map may show low obstacles there.
+
+    Args:
+        robot: robot whose arm is at its last command.
+        model: world model, with the surfaces and objects to avoid.
+        base_T_hand: (4, 4) final pose of the hand.
+
+    Raises:
+        Discrepancy: the arm can't move the hand there in a straight line, or would touch something.
+    """
+    here, known = robot.arm.command(), surroundings(robot, model)
+    for walls in (*walls_to_try(robot, model), ()):
+        if not collision_model(robot, None, (*known, *walls)).in_collision(here):
+            break
+    yield from move_straight(robot, base_T_hand, around=(*known, *walls))

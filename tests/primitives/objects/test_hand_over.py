@@ -15,6 +15,7 @@ from handcart.backends.simulation.world.thing import Rest
 from handcart.evaluation.trials.rig import Rig
 from handcart.primitives.objects.hand_over import HandOver
 from handcart.primitives.objects.knowledge.objects import Objects
+from handcart.primitives.objects.stow import Stow
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 
 from .fetching import changed
@@ -28,7 +29,12 @@ def holding(folder: Path, *pulls: Mapping[str, Any], seed: int = 3, backend: str
 
 def facing_a_wall(folder: Path, *pulls: Mapping[str, Any], x_m: float = 0.62) -> Rig:
     """Return a robot before a mapped wall; by default 0.27 m, nearer than it would hold the object out."""
-    home = ("x_m: 1.0, y_m: 1.0, heading_deg: 0.0", f"x_m: {x_m}, y_m: 1.5, heading_deg: 180.0")
+    return standing_at(folder, f"x_m: {x_m}, y_m: 1.5, heading_deg: 180.0", *pulls)
+
+
+def standing_at(folder: Path, pose: str, *pulls: Mapping[str, Any]) -> Rig:
+    """Return a robot at a pose of the room, given as in a file of places."""
+    home = ("x_m: 1.0, y_m: 1.0, heading_deg: 0.0", pose)
     places, world = changed(folder, "places.yaml", home), changed(folder, "world.yaml", home)
     data = yaml.safe_load(world.read_text(encoding="utf-8"))
     world.write_text(yaml.safe_dump({**data, "pulls": [dict(pull) for pull in pulls]}), encoding="utf-8")
@@ -85,6 +91,38 @@ def test_object_is_handed_over_beside_a_mapped_wall(tmp_path: Path) -> None:
         assert isinstance(outcome, Success), outcome
         assert rest_of(rig) is Rest.PERSON
         assert primitive.facts["floor"] == "not seen"
+
+
+@pytest.mark.slow
+def test_object_handed_over_is_no_longer_at_its_old_place(tmp_path: Path) -> None:
+    """The hand is where the file states the object; on the way home it has nothing to touch there."""
+    with standing_at(tmp_path, "x_m: 1.9, y_m: 3.0, heading_deg: 90.0", PULL) as rig:
+        outcome = rig.do(HandOver(height_mm=700.0))
+        assert isinstance(outcome, Success), outcome
+        assert rig.model.of(Objects).handed_over == ("parcel_1",)
+
+
+@pytest.mark.slow
+def test_arm_that_an_unknown_obstacle_stops_goes_back(tmp_path: Path) -> None:
+    """A pressing arm is not at rest until it yields; then it retraces only the way that it came."""
+    world = world_with(tmp_path, [PULL])
+    data = yaml.safe_load(world.read_text(encoding="utf-8"))
+    post = {"name": "post", "x_m": 1.62, "y_m": 1.0, "size_m": [0.1, 1.0, 1.8]}
+    world.write_text(yaml.safe_dump({**data, "furniture": [*data["furniture"], post]}), encoding="utf-8")
+    with rig_holding(world, seed=3) as rig:
+        before = scene_of(rig).joints.copy()
+        outcome = rig.do(HandOver())
+        assert isinstance(outcome, Fail), outcome
+        assert rest_of(rig) is Rest.HAND
+        assert scene_of(rig).joints == pytest.approx(before, abs=0.005)
+
+
+@pytest.mark.slow
+def test_object_is_stowed_clear_of_a_mapped_wall(tmp_path: Path) -> None:
+    with standing_at(tmp_path, "x_m: 1.5, y_m: 0.34, heading_deg: 180.0") as rig:
+        outcome = rig.do(Stow())
+        assert isinstance(outcome, Success), outcome
+        assert not scene_of(rig).contacts
 
 
 @pytest.mark.slow

@@ -21,13 +21,25 @@ def test_sightings_and_held_object_survive_a_checkpoint() -> None:
     objects = model.of(Objects)
     objects.sightings = (ObjectSighting("parcel_2", "table_a", Pose2(2.3, 3.7, 1.2), COVARIANCE),)
     objects.held_object = HeldObject("parcel_1", transform((0.1, 0.0, 0.0), (0.0, 1.5, 0.0)))
+    objects.handed_over = ("parcel_2",)
     other.set_state(model.state())
     again = other.of(Objects)
+    assert again.handed_over == ("parcel_2",)
     assert again.sightings == objects.sightings
     assert again.held_object is not None
     assert again.held_object.object == "parcel_1"
     assert np.array_equal(again.held_object.hand_T_object, objects.held_object.hand_T_object)
     assert other.places == model.places
+
+
+def test_checkpoint_from_before_hand_overs_were_noted_is_read() -> None:
+    model, other = rig_with().model, rig_with().model
+    model.of(Objects).sightings = (ObjectSighting("parcel_2", "table_a", Pose2(2.3, 3.7, 1.2), COVARIANCE),)
+    state = model.state()
+    del state["sections"]["objects"]["handed_over"]
+    other.set_state(state)
+    assert other.of(Objects).sightings == model.of(Objects).sightings
+    assert other.of(Objects).handed_over == ()
 
 
 def test_changes_are_written_as_json() -> None:

@@ -13,6 +13,7 @@ from handcart.primitives.objects.knowledge.objects import WALL_NAME, Objects
 from handcart.primitives.objects.look_for import LookFor
 from handcart.primitives.objects.site.roomy_motion import (
     MAX_ROOM_M,
+    move_straight_with_room,
     move_with_room,
     rooms,
     surroundings_to_try,
@@ -20,7 +21,8 @@ from handcart.primitives.objects.site.roomy_motion import (
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.cause_kind import CauseKind
 from handcart.primitives.outcomes.discrepancy import Discrepancy
-from handcart.robotics.kinematics.shapes import bottom, top
+from handcart.robotics.geometry.transform import transform
+from handcart.robotics.kinematics.shapes import Box, bottom, top
 
 from ..fetching import changed, rig_with
 
@@ -105,6 +107,28 @@ def test_less_room_is_tried_where_no_path_has_it(
     with pytest.raises(Discrepancy):
         list(move_with_room(rig.robot, view_of(rig), rig.robot.arm.command()))
     assert len(thickest) == tries
+
+
+@pytest.mark.parametrize(("is_close", "is_free"), [(False, False), (True, True)])
+def test_straight_motion_ends_before_walls_that_the_arm_is_clear_of(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch, is_close: bool, is_free: bool
+) -> None:
+    """A wall in which the arm is already is a low obstacle, or not where the map shows it."""
+    base_T_hand = rig.robot.base_T("hand")
+    goal = base_T_hand.copy()
+    goal[0, 3] += 0.06
+    tip = (base_T_hand @ [rig.robot.spec.finger_shape.tip, 0.0, 0.0, 1.0])[:3]
+    ahead = np.array([0.03 if is_close else 0.07, 0.0, 0.0])
+    wall = Box(transform(tip + ahead), (0.06, 0.4, 2.4), WALL_NAME)
+    monkeypatch.setattr("handcart.primitives.objects.site.roomy_motion.walls_to_try", lambda *_: [(wall,)])
+    moved = True
+    try:
+        for _ in move_straight_with_room(rig.robot, view_of(rig), goal):
+            rig.robot.step()
+    except Discrepancy as no_way:
+        assert no_way.cause is causes.NO_ARM_PATH
+        moved = False
+    assert moved is is_free
 
 
 def test_object_touches_the_level_parts_that_its_foot_reaches() -> None:

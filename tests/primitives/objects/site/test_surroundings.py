@@ -70,6 +70,14 @@ def test_held_object_is_at_its_believed_place_no_more() -> None:
     assert "object parcel_1" not in kept_clear(rig)
 
 
+def test_object_that_a_person_has_is_kept_clear_of_where_it_is_seen() -> None:
+    rig = rig_with()
+    rig.model.of(Objects).handed_over = ("parcel_1",)
+    assert "object parcel_1" not in kept_clear(rig)
+    note_seen(rig, "parcel_1", 1.9, 3.7)  # put back by the person
+    assert "object parcel_1" in kept_clear(rig)
+
+
 @pytest.mark.parametrize(("x", "radius"), [(1.9, 0.1341), (2.13, 0.09), (2.23, None)])
 def test_belief_does_not_reach_to_what_was_seen_closely(x: float, radius: float | None) -> None:
     """A neighbour within 50 mm would have been seen with it; one beyond is still somewhere."""
