@@ -173,7 +173,9 @@ def likely_policy(network: ActionNetwork, chances: Chances, effort: Effort, star
     """Return the decisions of the cheapest-route rule in the likeliest states of runs, as many as the budget
     allows.
 
-    The rule takes the cheapest route to the goal; each Fail doubles an action's cost.
+    The rule takes the cheapest route to the goal; each Fail doubles an action's cost. The order of the states
+    is approximate: probability that reaches a state after its decision was made is not passed on to its
+    successors. The order decides only which states an incomplete policy lacks.
 
     Args:
         network: the network.
@@ -186,6 +188,7 @@ def likely_policy(network: ActionNetwork, chances: Chances, effort: Effort, star
     mass = {start: 1.0}
     order = itertools.count()
     heap = [(-1.0, next(order), start)]
+    is_complete = False
     try:
         maker = StepMaker(network, False, effort, chances)
         while heap:
@@ -197,9 +200,10 @@ def likely_policy(network: ActionNetwork, chances: Chances, effort: Effort, star
                 if item.situation != network.goal and item not in steps:
                     mass[item] = mass.get(item, 0.0) - share * p
                     heapq.heappush(heap, (-mass[item], next(order), item))
+        is_complete = True
     except TooMuch:
-        pass  # the budget is spent: the policy has the states found so far, and is not complete
-    return Policy(network, start, steps, circles=True, is_complete=not heap)
+        pass  # the budget is spent: the policy has the states found so far
+    return Policy(network, start, steps, circles=True, is_complete=is_complete)
 
 
 def shares(step: Step, chances: Chances) -> Iterator[tuple[float, State]]:

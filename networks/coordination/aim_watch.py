@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import time
 
 from handcart.backends.capabilities.battery import Battery
 from handcart.backends.robot.robot import Robot
 from handcart.networks.graph.aims import Aims, Interrupt
+from handcart.networks.graph.network import ActionNetwork
+from handcart.networks.journal.retracing import RunPosition
 
-from .day_clock import DayClock, after
+from .day_clock import DayClock, RehearsedDay, after
 
 CHARGE_HYSTERESIS = 2.0
 """Rise of the charge above an interrupt's limit after which the interrupt may come again, in [%]."""
@@ -34,6 +36,7 @@ class AimWatch:
         handled: Mapping[int, float],
         clock: DayClock,
         waits: bool = False,
+        charging: int | None = None,
     ) -> None:
         """Begin to watch.
 
@@ -45,6 +48,7 @@ class AimWatch:
                 has not occurred: its time counts from `began`.
             clock: clock of the times of day.
             waits: True if the round waits for its time of day.
+            charging: number of the interrupt at whose goal the battery is to be charged; None: none.
         """
         self._robot, self._aims, self._clock = robot, aims, clock
         self._round_began = began
@@ -54,16 +58,22 @@ class AimWatch:
         self._times = self._next_times()
         self._handled = {number: handled.get(number, began) for number in range(len(aims.interrupts))}
         self._is_low: dict[int, bool] = {}
-        self._charging: Interrupt | None = None
+        self._charging = None if charging is None else aims.interrupts[charging]
         self._charged, self._rose = -1.0, 0.0
         self._battery: Battery | None = robot.backend.get(Battery)  # type: ignore[type-abstract]
 
-    def begin_round(self) -> float:
+    def begin_round(self, missed: Iterable[int] = ()) -> float:
         """Begin to watch the next round (repetition of the task); return the time at which it may begin, in
         [s] of the robot's time.
 
         The time-out of the round counts from that time.
+
+        Args:
+            missed: numbers of the interrupts whose goals no route led to. For a low battery, they are due
+                again.
         """
+        for number in missed:
+            self._is_low.pop(number, None)
         rounds = self._aims.rounds
         if rounds is not None and rounds.at:
             return self._wait(rounds.at, after(self._clock.now()))
@@ -111,27 +121,36 @@ class AimWatch:
         self._round_began, self._round_due = self._robot.time, None
         return False
 
-    def due(self, priority: int | None) -> int | None:
+    def due(self, priority: int | None, situation: str) -> int | None:
         """Return the number of an interrupt (goal to pursue first) whose condition has come true; None if
         there is none.
 
-        An interrupt is returned once each time that its condition comes true. Of several interrupts, it is
-        the one of the highest priority.
+        An interrupt is returned once each time that its condition comes true, and again if its wait for the
+        battery's charge was broken off. Of several interrupts, it is the one of the highest priority.
 
         Args:
             priority: priority of the interrupt that the run pursues now; only a higher one is returned. None:
                 no interrupt is pursued.
+            situation: the present situation. While the robot waits there for its battery's charge, only
+                interrupts of a higher priority than that of the wait are returned.
         """
         self._look_at_clock()
+        charging = self._charging
+        if priority is None and charging is not None and situation in charging.goals:
+            priority = charging.priority
         numbered = sorted(enumerate(self._aims.interrupts), key=lambda interrupt: -interrupt[1].priority)
         for number, item in numbered:
             above = priority is None or item.priority > priority
-            if above and self._is_due(number, item):
+            if above and (self._is_due(number, item) or self._was_left(item, situation)):
                 self._handled[number] = self._robot.time
                 if item.battery_until is not None:
                     self._charging, self._charged = item, -1.0
                 return number
         return None
+
+    def _was_left(self, interrupt: Interrupt, situation: str) -> bool:
+        """Return whether the robot has left the place where it was charged for an interrupt too early."""
+        return interrupt is self._charging and self._charged >= 0.0 and situation not in interrupt.goals
 
     def is_charging(self, situation: str) -> bool:
         """Return whether the robot has to wait in a situation until its battery is charged.
@@ -185,3 +204,16 @@ class AimWatch:
             return False
         self._times[number] = self._clock.next(times, after(now))
         return True
+
+
+def aim_watch(
+    robot: Robot, network: ActionNetwork, standing: RunPosition | None, clock: DayClock | None
+) -> AimWatch:
+    """Return the watch over a run's aims; a run that is resumed has used up some of its time."""
+    clock = clock or RehearsedDay(robot, network.aims.begins_at or time.min)
+    if standing is None:
+        return AimWatch(robot, network.aims, robot.time, {}, clock, waits=True)
+    shift = robot.time - standing.last_t
+    handled = {number: instant + shift for number, instant in standing.interrupted.items()}
+    began = standing.round_began + shift
+    return AimWatch(robot, network.aims, began, handled, clock, standing.round_waits, standing.charging)

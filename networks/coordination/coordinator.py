@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
-from datetime import time
 
 from handcart.backends.robot.robot import Robot
 from handcart.networks.deciding.planners import planner_of
@@ -25,8 +24,8 @@ from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success
 from handcart.primitives.restoring.snapshot import Snapshot, residuals
 
-from .aim_watch import AimWatch
-from .day_clock import DayClock, RehearsedDay
+from .aim_watch import aim_watch
+from .day_clock import DayClock
 from .run_life import RunLife
 from .supervision import Interrupted, Request, Supervision
 from .world_watch import WorldWatch
@@ -84,16 +83,10 @@ class Coordinator:
         self._watch = WorldWatch(robot, network, standing.seen if standing else {})
         self._permission = permission
         self._cause = ""
-        self._aims = _aim_watch(robot, network, standing, clock)
+        self._aims = aim_watch(robot, network, standing, clock)
 
     def request(self, what: Request, number: int | None = None) -> bool:
-        """Make a request to the run, such as a pause or a stop, and return whether it was accepted.
-
-        Args:
-            what: the request.
-            number: number of the action that is meant; None: the run, or for a restore the action that runs
-                now.
-        """
+        """Make a request to the run as `ask` does, and return whether it was accepted."""
         return not self.ask(what, number)
 
     def ask(self, what: Request, number: int | None = None) -> str:
@@ -182,19 +175,27 @@ class Coordinator:
                     return self._end("GiveUp" if plan.calls_person else "Fail", plan.explanation)
                 if self._route.arrived:
                     break
+                if waits and self._route.priority is None:
+                    continue  # an interrupt is abandoned, because no route leads on
             action, left = self._route.next, self.situation
             outcome = yield from self._carry_out(action)
-            if isinstance(outcome, Fail | GiveUp):
-                self._cause = outcome.cause.name
             if isinstance(outcome, GiveUp):
+                self._cause = outcome.cause.name
                 return self._end("GiveUp", f"{action}: {outcome.reason}")
-            if not isinstance(outcome, Success):
-                self._log.fails += 1
-            self._route.took(outcome)
-            self._watch.arrived(self.situation)
-            self._forget(left)
+            if outcome is not None:
+                self._take(outcome)
+                self._forget(left)
         self._supervision.between_actions()
         return None if self._route.has_next_round else self._arrived()
+
+    def _take(self, outcome: Success | Fail | NotStarted) -> None:
+        """Count the outcome of an action, and note the situation that it leads to."""
+        if isinstance(outcome, Fail):
+            self._cause = outcome.cause.name
+        if not isinstance(outcome, Success):
+            self._log.fails += 1
+        self._route.took(outcome)
+        self._watch.arrived(self.situation)
 
     def _arrived(self) -> RunEnd:
         """Return the end of a run that has reached its last pursued situation."""
@@ -218,7 +219,7 @@ class Coordinator:
             route.abandon(reason)
         if not self.network.aims.interrupts or route.lost is not None:
             return
-        number = self._aims.due(route.priority)
+        number = self._aims.due(route.priority, self.situation)
         if number is not None:
             self._interrupt(number)
 
@@ -233,9 +234,9 @@ class Coordinator:
 
     def _begin_next_round(self) -> None:
         """Begin the next round, which waits until it is due."""
-        here = self.situation
+        here, at = self.situation, self._aims.begin_round(self._route.missed)
         self._route.begin_round()
-        number, at, expected = self._route.round, self._aims.begin_round(), self._aims.expected
+        number, expected = self._route.round, self._aims.expected
         record = Aim(what="round", situation=here, round=number, at_s=round(at, 6))
         self._log.aims_at(f"round {number} begins at {expected[1] if expected else f'{at:.1f} s'}", record)
         self._forget(here)
@@ -260,12 +261,16 @@ class Coordinator:
         if element is not None and here != element and not here.startswith(f"{element}, "):
             self._model.clear_element()
 
-    def _carry_out(self, action: Action) -> Generator[None, None, Outcome | NotStarted]:
+    def _carry_out(self, action: Action) -> Generator[None, None, Outcome | NotStarted | None]:
+        """Carry out an action, and return its outcome; None if the run has another aim before it starts."""
         if action.binding is None:
             element = self.network.situations[action.source].element or action.source
             self._log.skip(action, element)
             return Success()
-        if not (yield from self._permitted(action)):
+        permitted = yield from self._permitted(action)
+        if permitted is None:
+            return None
+        if not permitted:
             return self._log.not_started(action, "permission was refused")
         try:
             primitive = action.binding.make(self._model)
@@ -273,7 +278,8 @@ class Coordinator:
             return self._log.not_started(action, str(unknown))
         return (yield from self._act(action, primitive))
 
-    def _permitted(self, action: Action) -> Generator[None, None, bool]:
+    def _permitted(self, action: Action) -> Generator[None, None, bool | None]:
+        """Return whether an action may start; None if the run has another aim before an answer comes."""
         if self._permission is None:
             return not action.permit
         while (answer := self._permission(action)) is None:
@@ -281,7 +287,12 @@ class Coordinator:
             self.asks = action
             yield
             self._supervision.between_actions()
+            self._look_at_aims()
+            if not self._route.planned:
+                break
         self.asks = None
+        if answer is None:
+            self.life.plan()
         return answer
 
     def _act(self, action: Action, primitive: ActionPrimitive) -> Generator[None, None, Outcome | NotStarted]:
@@ -314,9 +325,16 @@ class Coordinator:
             at = measure(self._robot)
             self._watch.stands(at)
         log.result(primitive, outcome, at)
-        while not log.kept:
-            yield
-            self._supervision.between_actions()
+        try:
+            while not log.kept:
+                yield
+                self._supervision.between_actions()
+        except Interrupted:  # the action has ended all the same
+            log.result_told(action, primitive, outcome)
+            if isinstance(outcome, GiveUp):
+                return outcome
+            self._take(outcome)
+            raise
         log.result_kept(action, primitive, outcome)
         return outcome
 
@@ -380,16 +398,3 @@ class Coordinator:
         counts = log.started, log.fails, replans, tuple(log.skipped)
         cause = "" if outcome == "Success" else self._cause
         return RunEnd(outcome, self.situation, reason, *counts, cause, otherwise, self._route.round)
-
-
-def _aim_watch(
-    robot: Robot, network: ActionNetwork, standing: RunPosition | None, clock: DayClock | None
-) -> AimWatch:
-    """Return the watch over a run's aims; a run that is resumed has used up some of its time."""
-    clock = clock or RehearsedDay(robot, network.aims.begins_at or time.min)
-    if standing is None:
-        return AimWatch(robot, network.aims, robot.time, {}, clock, waits=True)
-    shift = robot.time - standing.last_t
-    handled = {number: instant + shift for number, instant in standing.interrupted.items()}
-    began = standing.round_began + shift
-    return AimWatch(robot, network.aims, began, handled, clock, standing.round_waits)

@@ -66,8 +66,10 @@ class RunDecisions:
         self.lost: NoWay | None = None
         """Reason why the goal was abandoned for one of `otherwise`; None while it is pursued."""
         self._goals = [self.network.goal, *self.network.otherwise]
-        self._first: list[tuple[str, int]] = []
-        """Goals of interrupts with their priorities, the present one last."""
+        self.missed = set[int]()
+        """Numbers of the interrupts whose goals no route led to in this round."""
+        self._first: list[tuple[str, int, int]] = []
+        """Goals of interrupts with their priorities and numbers, the present one last."""
         self._ahead: list[Action] = []
         self._hopes = False
 
@@ -121,7 +123,7 @@ class RunDecisions:
         plan = self._plan()
         while isinstance(plan, NoWay) and not plan.calls_person and (self._first or len(self._goals) > 1):
             if self._first:
-                self._first.pop()
+                self.missed.add(self._first.pop()[2])
             else:
                 self.lost = self.lost or plan
                 self._goals.pop(0)
@@ -156,9 +158,10 @@ class RunDecisions:
         plans = [(self.planner.plan(self.situation, goal), goal) for goal in goals]
         routes = [(plan.cost, goal) for plan, goal in plans if isinstance(plan, Plan) and not plan.hopes]
         if not routes:
+            self.missed.add(number)
             return ""
         goal = min(routes)[1]
-        self._first.append((goal, self.network.aims.interrupts[number].priority))
+        self._first.append((goal, self.network.aims.interrupts[number].priority, number))
         self._ahead = []
         return goal
 

@@ -19,6 +19,8 @@ from .measured import snapshot_of
 TORN_RECORD = "TORN"
 """Name of a damaged last record in an ACK."""
 _OF_ONE = ("INTENT", "PNR", "RESTORE", "RESULT")
+_OF_ROUND = ("PLAN", "START", "NOT_STARTED", "SKIP")
+"""Kinds of records that a round has only after it has begun, unless they belong to an interrupt."""
 Record = Mapping[str, Any]
 
 
@@ -62,6 +64,8 @@ class RunPosition:
     """The robot's time of the last record, in [s]."""
     interrupted: dict[int, float] = field(default_factory=dict)
     """Time of each interrupt's last occurrence, in [s], by its number."""
+    charging: int | None = None
+    """Number of the last interrupt that waits for the battery's charge, until the run leaves its goal."""
     seen: dict[str, Snapshot] = field(default_factory=dict)
     """Snapshots of the robot in earlier situations of the run, the last one at the end."""
 
@@ -112,13 +116,16 @@ def _follow(found: RunPosition, record: Record) -> None:
     route, kind = found.route, record["kind"]
     _check(found, record)
     found.last_t = max(found.last_t, float(record.get("t", 0.0)))
+    if found.round_waits and kind in _OF_ROUND and route.priority is None:  # not on behalf of an interrupt
+        _round_begins(found, float(record["t"]))
     if kind == "PLAN":
         found.plans += 1
-        if found.round_waits and route.priority is None:  # not on behalf of an interrupt
-            _round_begins(found, float(record["t"]))
         route.plan()
     elif kind == "START":
         found.started, found.in_doubt = record["n"], record
+        interrupts = route.network.aims.interrupts
+        if found.charging is not None and route.situation in interrupts[found.charging].goals:
+            found.charging = None
         if found.at is None:
             _stands(found, record)
     elif kind == "RESULT":
@@ -196,8 +203,11 @@ def _aim(found: RunPosition, record: Record) -> None:
         if route.round != record["round"]:
             raise ValueError(f"round {route.round} was next")
     else:
-        found.interrupted[record["interrupt"]] = now
-        if route.interrupt(record["interrupt"]) != record.get("goal", ""):
+        number, interrupts = record["interrupt"], route.network.aims.interrupts
+        found.interrupted[number] = now
+        if interrupts[number].battery_until is not None:
+            found.charging = number
+        if route.interrupt(number) != record.get("goal", ""):
             raise ValueError("the interrupt leads elsewhere")
 
 

@@ -151,7 +151,12 @@ class RunLog(Intents):
 
     def result_kept(self, action: Action, primitive: ActionPrimitive, outcome: Outcome) -> None:
         """Notify the observers of a result that is safely in the journal."""
-        self.open, changes = False, self._changes
+        self.open = False
+        self.result_told(action, primitive, outcome)
+
+    def result_told(self, action: Action, primitive: ActionPrimitive, outcome: Outcome) -> None:
+        """Notify the observers of a result in the journal, which may not be on the disk yet."""
+        changes = self._changes
         self._tell(lambda: Ended(self._robot.time, self.started, action, primitive, outcome, changes))
 
     def stopped(self, cause: str, asked: float) -> None:

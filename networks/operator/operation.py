@@ -42,6 +42,8 @@ class Operation(RunObserver):
 
     def look(self) -> None:
         """Receive and execute the operator's commands to the run; called once a period."""
+        if self._coordinator.asks is None:
+            self._permits.withdraw()
         idle = self._coordinator.life.state in _IDLE
         self._control.poll(self._robot.period if idle else 0.0)
         answer = self._permits.typed() if self._permits.asks is not None else None

@@ -64,6 +64,10 @@ class Permits:
         if self._asks is not None:
             self._answer = permitted
 
+    def withdraw(self) -> None:
+        """Withdraw the question, because the run does not wait for its answer any longer."""
+        self._asks, self._answer = None, None
+
     def __call__(self, action: Action) -> bool | None:
         """Return yes, no, or None while no answer has come."""
         if not self._is_asked(action):

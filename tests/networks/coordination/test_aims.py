@@ -217,7 +217,7 @@ def test_low_batteries_are_charged_while_a_round_waits(
 @pytest.mark.parametrize(
     ("charges", "seconds"),
     [
-        pytest.param([50, 15, 15, *range(15, 91)], (1.4, 3.0), id="charged"),
+        pytest.param([50, 15, 15, *range(15, 91)], (1.4, 3.5), id="charged"),
         pytest.param([50, 15, 15, 15], (300.0, 310.0), id="the charge does not rise"),
         pytest.param([50, 15, float("nan")], (0.0, 2.0), id="the charge is not known"),
     ],

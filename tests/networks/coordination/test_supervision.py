@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import Any, ClassVar
@@ -102,6 +103,58 @@ def test_stop_while_a_result_waits_for_the_disk_is_heard_at_once(
         with pytest.raises(StopIteration):
             next(periods)
     assert run.life.state is RunState.ENDED
+
+
+@pytest.mark.parametrize("what", ENDS)
+def test_stop_while_a_result_waits_keeps_that_result(stand: Stand, tmp_path: Path, what: Request) -> None:
+    events: list[Event] = []
+    network = drive_network(stand, stand.Drive(periods=3), stand.Drive())
+    journal = SlowDisk(tmp_path / "j")
+    with journal:
+        run = Coordinator(network, stand.robot, stand.model, journal, [events.append])
+        periods = run.run()
+        while "RESULT" not in kinds(journal):
+            step(stand, run, periods)
+        run.ask(what)
+        step(stand, run, periods)
+        journal.safe = True
+        with pytest.raises(StopIteration) as ended:
+            next(periods)
+    end = ended.value.value
+    assert (end.outcome, end.situation) == ("Cancelled", "b")
+    assert [type(event).__name__ for event in events[-2:]] == ["Ended", "RunEnded"]
+
+
+def test_cancel_counts_its_fail_though_it_waits_for_the_disk(stand: Stand, tmp_path: Path) -> None:
+    journal = SlowDisk(tmp_path / "j")
+    with journal:
+        run = Coordinator(drive_network(stand, stand.Drive(periods=60)), stand.robot, stand.model, journal)
+        periods = run.run()
+        step(stand, run, periods, 30)
+        run.ask(Request.CANCEL)
+        while "END" not in kinds(journal):
+            step(stand, run, periods)
+        journal.safe = True
+        with pytest.raises(StopIteration) as ended:
+            next(periods)
+    assert (ended.value.value.outcome, ended.value.value.fails) == ("Cancelled", 1)
+
+
+def test_stop_while_a_give_up_waits_for_the_disk_leaves_it(stand: Stand, tmp_path: Path) -> None:
+    """A person is still needed, so the run must not end as merely cancelled."""
+    stand.script["go"] = deque("G")
+    journal = SlowDisk(tmp_path / "j")
+    with journal:
+        run = Coordinator(stand.network("a z go 1"), stand.robot, stand.model, journal)
+        periods = run.run()
+        while "RESULT" not in kinds(journal):
+            step(stand, run, periods)
+        run.ask(Request.STOP)
+        step(stand, run, periods)
+        journal.safe = True
+        with pytest.raises(StopIteration) as ended:
+            next(periods)
+    assert (ended.value.value.outcome, ended.value.value.exit_status) == ("GiveUp", 4)
 
 
 @pytest.mark.parametrize("what", ENDS)
