@@ -14,6 +14,7 @@ import argparse
 import math
 import sys
 from collections.abc import Callable, Iterator
+from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
@@ -38,6 +39,7 @@ from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from handcart.files.errors import InputError
 
 from .bag_recorder import BagRecorder, Spoil
+from .cut_off import CUT_OFF_STATUS, CutOff
 
 STORAGES = ("SQLITE3", "MCAP")
 TOPICS = {
@@ -78,34 +80,43 @@ def main() -> None:
         sys.exit(play_foreign(asked.bag, asked.robot))
     wrong = 0
     for storage in asked.storages:
+        cut = CutOff()
         with TemporaryDirectory(prefix="bags-") as folder:
-            same, missed, tried = measure(Path(folder), storage, asked.periods, asked.kinds, asked.topics)
+            same, missed, tried = measure(
+                Path(folder), storage, asked.periods, asked.kinds, asked.topics, cut
+            )
         wrong += (same < asked.periods) + len(missed)
         print(
             f"{storage:<9}{same} of {asked.periods} periods read as over the air, to the last bit;"
-            f" spoiled: {tried - len(missed)} of {tried} named",
+            f" spoiled: {tried - len(missed)} of {tried} named"
+            f"{cut.words(tried, len(asked.kinds) * len(asked.topics))}",
             flush=True,
         )
         for item in missed:
             print(f"    {item}", flush=True)
+        if cut.came:
+            sys.exit(CUT_OFF_STATUS)
     sys.exit(1 if wrong else 0)
 
 
 def measure(
-    folder: Path, storage: str, periods: int, kinds: list[str], topics: list[str]
+    folder: Path, storage: str, periods: int, kinds: list[str], topics: list[str], cut: CutOff
 ) -> tuple[int, list[str], int]:
-    """Return the number of periods that read alike, what was missed, and the number of spoiled bags."""
+    """Return the number of periods that read alike, what was missed, and the number of spoiled bags.
+
+    `cut` ends the trials with spoiled bags early.
+    """
     print(f"{storage}: recording", file=sys.stderr, flush=True)
     live = record(folder / "whole", storage, periods, None)
     same = sum(a == b for a, b in zip(live, played(folder / "whole", periods), strict=False))
     missed, tried = [], 0
-    for kind in kinds:
-        for topic in topics:
+    with cut:
+        for kind, topic in product(kinds, topics):
             print(f"{storage}: {kind} on {topic}", file=sys.stderr, flush=True)
             path = folder / f"{kind}-{topic}"
             record(path, storage, periods, spoil_of(kind, topic))
-            tried += 1
             said = playing_error(path, periods)
+            tried += 1
             if f"({topic})" not in said:
                 missed.append(f"{kind} on {topic}: {said or 'nothing was said'}")
     return same, missed, tried

@@ -22,6 +22,7 @@ from handcart.backends.ros2.bench.bench_faults import ACTION_KINDS, FAULT_KINDS,
 from handcart.backends.ros2.bench.ros_bench import COMMAND_TIMEOUT_S
 from handcart.backends.ros2.wire.ros_link import RosLink
 
+from .cut_off import CUT_OFF_STATUS, CutOff
 from .judged import Lateness, Tally, Verdict
 from .wire_rig import (
     Ended,
@@ -72,15 +73,17 @@ def main() -> None:
             ("cmd_vel",) if kind == OTHER_FAULTS[0] else ("odom",) if kind in OTHER_FAULTS else asked.topics
         ):
             found: list[Noticed] = []
-            for _ in range(asked.count):
-                print(
-                    f"\r{kind} on {topic}: {len(found)} of {asked.count}", end="", file=sys.stderr, flush=True
-                )
-                with on_the_air(trial), watching() as watched:
-                    noticed = FAULT_TRIALS.get(kind, spoiled)(kind, topic)
-                found.append(noticed._replace(late=watched.late))
-                trial += 1
+            with CutOff() as cut:
+                for _ in range(asked.count):
+                    done = f"\r{kind} on {topic}: {len(found)} of {asked.count}"
+                    print(done, end="", file=sys.stderr, flush=True)
+                    with on_the_air(trial), watching() as watched:
+                        noticed = FAULT_TRIALS.get(kind, spoiled)(kind, topic)
+                    found.append(noticed._replace(late=watched.late))
+                    trial += 1
             print(file=sys.stderr)
+            if not found:
+                sys.exit(CUT_OFF_STATUS)
             tally = Tally([Verdict(noticed.wrong, noticed.late) for noticed in found])
             missed += tally.missed
             after, rest = (
@@ -88,11 +91,14 @@ def main() -> None:
             )
             print(
                 f"{kind:<14}{topic:<9}noticed {tally.words}"
-                f"  at most {after:.2f} s after, at rest {rest:.2f} s later",
+                f"  at most {after:.2f} s after, at rest {rest:.2f} s later"
+                f"{cut.words(len(found), asked.count)}",
                 flush=True,
             )
             for item in tally.findings():
                 print(f"    {item}", flush=True)
+            if cut.came:
+                sys.exit(CUT_OFF_STATUS)
     sys.exit(1 if missed else 0)
 
 

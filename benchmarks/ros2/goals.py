@@ -40,6 +40,7 @@ from handcart.backends.ros2.wire.ros_link import RosLink
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from handcart.files.errors import HandcartError
 
+from .cut_off import CUT_OFF_STATUS, CutOff
 from .judged import LoopWatch, Tally, Verdict
 from .wire_rig import (
     FIRST_PERIODS,
@@ -85,24 +86,31 @@ def main() -> None:
     for kind in asked.kinds:
         found: list[Trial] = []
         verdicts: list[Verdict] = []
-        for _ in range(asked.count):
-            print(f"\r{kind}: {len(found)} of {asked.count}", end="", file=sys.stderr, flush=True)
-            with on_the_air(number), watching() as watched:
-                found.append(tried(kind, rng.uniform(0.0, 0.5)))
-            verdicts.append(Verdict(found[-1].wrong, watched.late))
-            number += 1
+        with CutOff() as cut:
+            for _ in range(asked.count):
+                print(f"\r{kind}: {len(found)} of {asked.count}", end="", file=sys.stderr, flush=True)
+                with on_the_air(number), watching() as watched:
+                    trial = tried(kind, rng.uniform(0.0, 0.5))
+                found.append(trial)
+                verdicts.append(Verdict(trial.wrong, watched.late))
+                number += 1
         print(file=sys.stderr)
+        if not verdicts:
+            sys.exit(CUT_OFF_STATUS)
         tally = Tally(verdicts)
         missed += tally.missed
         seconds = np.array([trial.rest.seconds for trial in found])
         print(
             f"{kind:<12}{'arm at rest' if kind == 'killed' else 'named, at rest'} {tally.words}"
             f"  median {np.median(seconds):.3f} s, at most {seconds.max():.3f} s"
-            f" and {max(trial.rest.periods for trial in found)} periods after the end",
+            f" and {max(trial.rest.periods for trial in found)} periods after the end"
+            f"{cut.words(len(verdicts), asked.count)}",
             flush=True,
         )
         for item in tally.findings():
             print(f"    {item}", flush=True)
+        if cut.came:
+            sys.exit(CUT_OFF_STATUS)
     sys.exit(1 if missed else 0)
 
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from handcart.backends.ros2.bench.ros_bench import COMMAND_TIMEOUT_S
 
+from .cut_off import CUT_OFF_STATUS, CutOff
 from .judged import Tally, Verdict
 from .wire_rig import (
     Ended,
@@ -52,20 +53,24 @@ def main() -> None:
         if name not in asked.which:
             continue
         times, verdicts = [], []
-        for trial in range(asked.count):
-            print(f"\r{name} killed: {trial} of {asked.count}", end="", file=sys.stderr, flush=True)
-            with on_the_air(trial), watching() as watched:
-                seconds, periods, finding = kill(rng.uniform(0.0, 0.5))
-            times.append(seconds)
-            most_periods = max(most_periods, periods)
-            verdicts.append(Verdict(finding, watched.late))
+        with CutOff() as cut:
+            for trial in range(asked.count):
+                print(f"\r{name} killed: {trial} of {asked.count}", end="", file=sys.stderr, flush=True)
+                with on_the_air(trial), watching() as watched:
+                    seconds, periods, finding = kill(rng.uniform(0.0, 0.5))
+                times.append(seconds)
+                most_periods = max(most_periods, periods)
+                verdicts.append(Verdict(finding, watched.late))
         print(file=sys.stderr)
+        if not verdicts:
+            sys.exit(CUT_OFF_STATUS)
         what = "base at rest" if name == "program" else "reported with a topic"
         middle, most = np.percentile(times, 50.0), np.max(times)
         tally = Tally(verdicts)
         counts = f"{what} {tally.words}"
         print(
-            f"{name} killed {asked.count} times: {counts}, median {middle:.2f} s, at most {most:.2f} s",
+            f"{name} killed {len(times)} times: {counts}, median {middle:.2f} s, at most {most:.2f} s"
+            f"{cut.words(len(times), asked.count)}",
             flush=True,
         )
         if name == "program":
@@ -75,6 +80,8 @@ def main() -> None:
         for item in tally.findings():
             print(f"    {item}", flush=True)
         failed += tally.missed
+        if cut.came:
+            sys.exit(CUT_OFF_STATUS)
     sys.exit(1 if failed else 0)
 
 

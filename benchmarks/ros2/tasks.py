@@ -3,7 +3,8 @@
 Each task is run with each seed as `handcart run TASK --backend ros2 --bench BACKEND` does it: commands and
 readings pass through the messages of ROS, in one process and without its middleware. Printed are the
 Successes, the outcomes that the ground truth contradicts, and the reasons of all other ends. Status 1 if an
-outcome was false or fewer than 95 % were Successes.
+outcome was false or fewer than 95 % were Successes. Ctrl-C, or a signal to end, stops the run, and the row is
+printed with the runs until then; status 130.
 """
 
 from __future__ import annotations
@@ -18,8 +19,11 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from handcart.evaluation.trials.running import run_task
+from handcart.networks.coordination.interrupts import Interrupts
 from handcart.networks.runs.run_options import RunOptions
 from handcart.tasks.task_names import task_path
+
+from .cut_off import CUT_OFF_STATUS
 
 TASK_NAMES = ("return_book", "stack_blocks", "drive_map", "fetch_and_carry")
 MIN_SUCCESS_RATIO = 0.95
@@ -30,6 +34,8 @@ class Figures:
     """Results of the runs of one task on one simulated backend."""
 
     runs: int = 0
+    wanted: int = 0
+    """Runs that were asked for; more than `runs` if the row was cut off."""
     ends: Counter[str] = field(default_factory=Counter)
     false: list[str] = field(default_factory=list)
     simulated_s: float = 0.0
@@ -51,21 +57,37 @@ def main() -> None:
     words.add_argument("--first", type=int, default=0, help="first seed")
     asked = words.parse_args()
     rows: list[Figures] = []
-    for bench in asked.benches:
-        count = asked.seeds if bench == "kinematic" else asked.physics_seeds
-        for task in asked.tasks:
-            rows.append(measure(task, bench, range(asked.first, asked.first + count)))
-            print(row_of(task, bench, rows[-1]), flush=True)
+    with Interrupts() as heard:
+        for bench in asked.benches:
+            count = asked.seeds if bench == "kinematic" else asked.physics_seeds
+            for task in asked.tasks:
+                rows.append(measure(task, bench, range(asked.first, asked.first + count), heard))
+                print(row_of(task, bench, rows[-1]), flush=True)
+                if heard.came:
+                    sys.exit(CUT_OFF_STATUS)
     sys.exit(0 if all(row.is_good for row in rows) else 1)
 
 
-def measure(task: str, bench: str, seeds: range) -> Figures:
-    """Run a task with some seeds over the bench in front of a simulated backend."""
-    found = Figures()
+def measure(task: str, bench: str, seeds: range, heard: Interrupts) -> Figures:
+    """Run a task with some seeds over the bench in front of a simulated backend.
+
+    Args:
+        task: name of the task.
+        bench: name of the simulated backend.
+        seeds: seeds of the runs.
+        heard: handler of Ctrl-C; a run that it stops is not counted, and no further one begins.
+    """
+    found = Figures(wanted=len(seeds))
     for seed in seeds:
         print(f"{task} on {bench}, seed {seed} ...", end=" ", file=sys.stderr, flush=True)
         begun = time.process_time()
-        summary = run_once(task, bench, seed)
+        try:
+            summary = run_once(task, bench, seed, heard)
+        except KeyboardInterrupt:
+            heard.came = True
+        if heard.came:
+            print("cut off", file=sys.stderr, flush=True)
+            break
         found.runs += 1
         found.cpu_s += time.process_time() - begun
         found.simulated_s += summary["sim_time_s"]
@@ -76,10 +98,10 @@ def measure(task: str, bench: str, seeds: range) -> Figures:
     return found
 
 
-def run_once(task: str, bench: str, seed: int) -> dict[str, Any]:
+def run_once(task: str, bench: str, seed: int, heard: Interrupts) -> dict[str, Any]:
     """Run a task once over the bench, and return its summary."""
     with TemporaryDirectory(prefix="ros2-") as folder:
-        options = RunOptions(backend="ros2", seed=seed, bench=bench)
+        options = RunOptions(backend="ros2", seed=seed, bench=bench, interrupts=heard)
         summary, _ = run_task(task_path(Path(task)), Path(folder), options)
     return summary
 
@@ -87,6 +109,8 @@ def run_once(task: str, bench: str, seed: int) -> dict[str, Any]:
 def row_of(task: str, bench: str, found: Figures) -> str:
     """Return the printed row, with the other ends and the false outcomes below it."""
     head = f"{task:<16}{bench:<10} Success {found.ends['Success']}/{found.runs}  false {len(found.false)}"
+    if found.runs < found.wanted:
+        head += f"  cut off after {found.runs} of {found.wanted} runs"
     speed = found.simulated_s / max(found.cpu_s, 1e-9)
     others = [f"    {count} x {end}" for end, count in found.ends.items() if end != "Success"]
     wrong = [f"    false: {item}" for item in found.false]

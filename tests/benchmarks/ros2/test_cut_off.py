@@ -1,0 +1,77 @@
+"""Benchmarks that are cut off print what they tried until then, and begin nothing further."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from benchmarks.ros2 import tasks
+from benchmarks.ros2.cut_off import CUT_OFF_STATUS, CutOff
+from handcart.networks.coordination.interrupts import Interrupts
+
+ROOT = Path(__file__).parents[3]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_row_that_is_cut_off_keeps_its_trials(number: signal.Signals) -> None:
+    done, before = 0, signal.getsignal(signal.SIGTERM)
+    with CutOff() as cut:
+        for done in range(20):
+            if done == 3:
+                os.kill(os.getpid(), number)
+                time.sleep(5.0)
+    assert cut.came and done == 3
+    assert cut.words(done, 20) == " (cut off after 3 of 20)"
+    assert signal.getsignal(signal.SIGTERM) is before
+    with CutOff() as whole:
+        pass
+    assert whole.words(20, 20) == ""
+    with pytest.raises(ValueError, match="true error"), CutOff():
+        raise ValueError("true error")
+
+
+def test_an_interrupted_run_ends_the_tasks_and_is_not_counted(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    begun: list[int] = []
+
+    def run(task: str, bench: str, seed: int, heard: Interrupts) -> dict[str, object]:
+        begun.append(seed)
+        heard.stop_by(lambda: None)
+        if seed == 2:
+            os.kill(os.getpid(), signal.SIGINT)
+        outcome = "GiveUp" if seed == 2 else "Success"
+        return {"outcome": outcome, "reason": "", "sim_time_s": 1.0, "metrics": {"untrue": []}}
+
+    monkeypatch.setattr(tasks, "run_once", run)
+    monkeypatch.setattr(sys, "argv", ["tasks", "--tasks", "drive_map", "return_book", "--seeds", "9"])
+    with pytest.raises(SystemExit) as ended:
+        tasks.main()
+    assert ended.value.code == CUT_OFF_STATUS
+    assert begun == [0, 1, 2]
+    printed = capsys.readouterr().out
+    assert "Success 2/2  false 0  cut off after 2 of 9 runs" in printed
+    assert "GiveUp" not in printed and "return_book" not in printed
+
+
+@pytest.mark.slow
+def test_ctrl_c_ends_a_benchmark_of_tasks_with_its_row() -> None:
+    words = [sys.executable, "-m", "benchmarks.ros2.tasks", "--tasks", "drive_map", "--benches", "kinematic"]
+    with subprocess.Popen(
+        [*words, "--seeds", "50"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT
+    ) as process:
+        assert process.stdout is not None and process.stderr is not None
+        shown = ""
+        while "seed 1 ..." not in shown:
+            shown += process.stderr.read(1)
+        time.sleep(1.0)
+        process.send_signal(signal.SIGINT)
+        row, _ = process.communicate(timeout=60.0)
+    assert process.returncode == CUT_OFF_STATUS
+    assert "drive_map" in row and "of 50 runs" in row
