@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from handcart.backends.description.robot_file import RobotFile
+from handcart.backends.ros2.wire.frame_tree import lidar_pose
 from handcart.backends.urdf.driven_wheels import driven_wheels
 from handcart.robotics.geometry.transform import Transform, inverse
 from handcart.robotics.kinematics.urdf_contents import bodies_of, joints_of, link_names, links_of
@@ -56,7 +57,7 @@ def _lidar_remarks(robot: RobotFile, urdf: str) -> Iterator[Remark]:
     if tilt > MAX_TILT_DEG:
         wrong = f"the lidar's plane is tilted by {tilt:.0f} deg; allowed: parallel to the floor"
         yield Remark(subject, wrong, place)
-    for link, points in _slices(robot, urdf, mount):
+    for link, points in _slices(robot, urdf, lidar_pose(mount, is_upside_down=False)):
         hidden = hidden_sector(points)
         if hidden is None:
             yield Remark(subject, f"the lidar is inside a collision body of the link {link!r}", place)
@@ -74,7 +75,8 @@ def hidden_links(robot: RobotFile) -> list[tuple[str, tuple[float, float]]]:
     urdf = robot.urdf_text()
     if robot.range_sensor is None or not {"base", robot.lidar_link} <= set(link_names(urdf)):
         return []
-    slices = _slices(robot, urdf, base_T_frame(urdf, robot.lidar_link))
+    mount = lidar_pose(base_T_frame(urdf, robot.lidar_link), is_upside_down=False)
+    slices = _slices(robot, urdf, mount)
     sectors = ((link, hidden_sector(points)) for link, points in slices)
     return [(link, item) for link, item in sectors if item is not None and _is_seen(robot, item)]
 
@@ -113,7 +115,7 @@ def _slices(robot: RobotFile, urdf: str, mount: Transform) -> Iterator[tuple[str
     Args:
         robot: the robot's file.
         urdf: text of the URDF.
-        mount: (4, 4) base_T_sensor of the lidar.
+        mount: (4, 4) base_T_sensor of the lidar, upright.
     """
     own = {*(robot.arm.joints if robot.arm else ()), "left_finger", "right_finger"}
     poses, sensor_T_base = link_poses(urdf), inverse(mount)

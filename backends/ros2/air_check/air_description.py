@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any, NamedTuple
 
+from handcart.backends.ros2.wire.frame_tree import FrameTree
 from handcart.backends.ros2.wire.messages import (
     GRIPPER_ACTION,
     SRDF_TOPIC,
     TRAJECTORY_ACTION,
     URDF_TOPIC,
 )
-from handcart.backends.ros2.wire.ros_errors import NotOnTheAir
+from handcart.backends.ros2.wire.ros_errors import NoRos, NotOnTheAir
 from handcart.backends.ros2.wire.ros_link import Link
 
 VELOCITY_KINDS = ("geometry_msgs/TwistStamped", "geometry_msgs/Twist")
@@ -56,6 +58,8 @@ class AirDescription(NamedTuple):
     """Namespace of the robot's topics."""
     actions: Mapping[str, tuple[str, ...]] = {}
     """Served actions of each type of `ACTION_KINDS`."""
+    frames: FrameTree = FrameTree()
+    """Frames by `tf` and `tf_static`; empty where their messages are not installed."""
 
 
 def describe_air(link: Link, wait: Callable[[], None], seconds: float, namespace: str = "") -> AirDescription:
@@ -76,6 +80,7 @@ def describe_air(link: Link, wait: Callable[[], None], seconds: float, namespace
         link.subscribe(
             "std_msgs/String", topic, _kept(texts, topic, lambda message: message.data), latched=True
         )
+    frames = _heard_frames(link)
     messages: dict[str, Any] = {}
     heard: set[str] = set()
     begun = changed = link.clock()
@@ -106,8 +111,17 @@ def describe_air(link: Link, wait: Callable[[], None], seconds: float, namespace
     controllers = {name: joints[controller_of(name)] for name in commanded if joints[controller_of(name)]}
     texts.setdefault(SRDF_TOPIC, "")
     return AirDescription(
-        texts[URDF_TOPIC], texts[SRDF_TOPIC], topics, messages, controllers, namespace, actions
+        texts[URDF_TOPIC], texts[SRDF_TOPIC], topics, messages, controllers, namespace, actions, frames
     )
+
+
+def _heard_frames(link: Link) -> FrameTree:
+    """Return the tree of the frames that the robot publishes from now on, or has published as static."""
+    frames = FrameTree()
+    with suppress(NoRos):
+        link.subscribe("tf2_msgs/TFMessage", "tf_static", frames.take_static, latched=True)
+        link.subscribe("tf2_msgs/TFMessage", "tf", frames.take)
+    return frames
 
 
 def controller_of(name: str) -> str:

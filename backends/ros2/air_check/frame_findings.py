@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from handcart.backends.robot.mounted_camera import camera_mount, known_camera, mount_of
 from handcart.backends.ros2.wire.camera_topics import camera_topics, depth_topics
-from handcart.backends.ros2.wire.frame_tree import UPRIGHT_T_FLIPPED
+from handcart.backends.ros2.wire.frame_tree import UPRIGHT_T_FLIPPED, lidar_pose
 from handcart.files.suggest import suggest
 from handcart.robotics.geometry.transform import Transform, difference
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
@@ -49,6 +49,8 @@ def frame_findings(heard: HeardRobot) -> Iterator[AirFinding]:
         if message is None:
             continue
         frame = message.header.frame_id
+        for words in heard.frames.conflicts(frame):
+            yield AirFinding((item.name,), f"tf: {words}; allowed: one. Do two nodes publish it?")
         pose = heard.frames.pose(base, frame)
         if pose is None:
             hint = suggest(frame, sorted(heard.frames.frames))
@@ -92,7 +94,7 @@ def _placed(heard: HeardRobot) -> Iterator[_Placed]:
         if sensor is not None and topic:
             pose = base_T_frame(robot.urdf_text(), robot.link_of(sensor))
             is_lidar = sensor is robot.range_sensor
-            pose = pose @ UPRIGHT_T_FLIPPED if is_lidar and spec.lidar.upside_down else pose
+            pose = lidar_pose(pose, spec.lidar.upside_down) if is_lidar else pose
             yield _Placed(robot.name_of(sensor), topic, pose, is_lidar)
     for name, (camera, source) in camera_topics(robot, spec).items():
         known = known_camera(camera, mount_of(robot, camera))

@@ -56,7 +56,7 @@ class HeardRobot:
 
     def _listen_to_frames(self, link: ListeningLink) -> bool:
         try:
-            link.subscribe_unmeasured(FRAMES, "tf_static", self.frames.take, latched=True)
+            link.subscribe_unmeasured(FRAMES, "tf_static", self.frames.take_static, latched=True)
             link.subscribe_unmeasured(FRAMES, "tf", self.frames.take)
         except NoRos:
             return False

@@ -11,7 +11,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.ros_spec import RosSpec
 from handcart.backends.robot.mounted_camera import camera_mount, known_camera, mount_of
 from handcart.backends.ros2.wire.camera_topics import camera_topics, depth_topics
-from handcart.backends.ros2.wire.frame_tree import UPRIGHT_T_FLIPPED
+from handcart.backends.ros2.wire.frame_tree import lidar_pose
 from handcart.backends.ros2.wire.messages import set_stamp
 from handcart.backends.ros2.wire.ros_errors import NoRos
 from handcart.backends.ros2.wire.ros_link import Link
@@ -69,8 +69,8 @@ class BenchFrames:
         for frame, sensor in (("range_sensor", robot.range_sensor), ("imu", robot.imu), ("gps", robot.gps)):
             if sensor is not None:
                 pose = base_T_frame(robot.urdf_text(), robot.link_of(sensor))
-                flips = sensor is robot.range_sensor and self._spec.lidar.upside_down
-                yield frame, pose @ UPRIGHT_T_FLIPPED if flips else pose
+                is_lidar = sensor is robot.range_sensor
+                yield frame, lidar_pose(pose, self._spec.lidar.upside_down) if is_lidar else pose
 
     def _cameras(self) -> Iterator[tuple[str, Transform]]:
         robot = self._robot

@@ -7,26 +7,55 @@ from typing import Any
 
 import numpy as np
 
-from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.geometry.transform import Transform, difference, inverse
 
 MAX_DEPTH = 100
+SAME_POSE_M, SAME_POSE_RAD = 1e-3, 1e-3
+"""Difference of two poses of a static frame up to which they are the same."""
 UPRIGHT_T_FLIPPED = np.diag([1.0, -1.0, -1.0, 1.0])
 """Pose (4, 4) of the frame of a sensor mounted upside down, in its upright frame; half a turn about x."""
 
 
 class FrameTree:
-    """Tree of coordinate frames from `tf` messages, with the last pose of each frame in its parent frame."""
+    """Tree of coordinate frames from `tf` messages, with the last pose of each frame in its parent frame.
+
+    Frames with two parents, and static frames with two poses, are noted: which one counts is left to chance.
+    """
 
     def __init__(self) -> None:
         """Begin without frames."""
         self._parents: dict[str, tuple[str, Transform]] = {}
+        self._conflicts: dict[str, str] = {}
 
     def take(self, message: Any) -> None:
-        """Store the poses of a `tf2_msgs/TFMessage`; poses that are not finite are ignored."""
+        """Store the poses of a `tf2_msgs/TFMessage` of `tf`; poses that are not finite are ignored."""
+        self._take(message, is_static=False)
+
+    def take_static(self, message: Any) -> None:
+        """Store the poses of a `tf2_msgs/TFMessage` of `tf_static`, which later ones must not change."""
+        self._take(message, is_static=True)
+
+    def _take(self, message: Any, is_static: bool) -> None:
         for transform in message.transforms:
             pose = pose_of_transform(transform.transform)
-            if pose is not None:
-                self._parents[plain(transform.child_frame_id)] = plain(transform.header.frame_id), pose
+            if pose is None:
+                continue
+            child, parent = plain(transform.child_frame_id), plain(transform.header.frame_id)
+            before = self._parents.get(child)
+            if before is not None and (words := _conflict(before, (parent, pose), is_static)):
+                self._conflicts.setdefault(child, f"the frame {child!r} has {words}")
+            self._parents[child] = parent, pose
+
+    def conflicts(self, frame: str) -> list[str]:
+        """Return a text for each contradiction of messages about a frame or the frames above it."""
+        frame, found = plain(frame), []
+        for _ in range(MAX_DEPTH):
+            if frame in self._conflicts:
+                found.append(self._conflicts[frame])
+            if frame not in self._parents:
+                break
+            frame, _ = self._parents[frame]
+        return found
 
     @property
     def frames(self) -> tuple[str, ...]:
@@ -51,6 +80,23 @@ class FrameTree:
         return None
 
 
+def _conflict(before: tuple[str, Transform], after: tuple[str, Transform], is_static: bool) -> str:
+    """Return how two messages about one frame contradict each other, as text; "" if they agree.
+
+    Args:
+        before: parent and parent_T_frame (4, 4) of the earlier message.
+        after: those of the later one.
+        is_static: True if the frame may not move in its parent.
+    """
+    if before[0] != after[0]:
+        return f"two parents, {before[0]!r} and {after[0]!r}"
+    off, angle = difference(before[1], after[1])
+    if not is_static or (off <= SAME_POSE_M and angle <= SAME_POSE_RAD):
+        return ""
+    degrees = math.degrees(angle)
+    return f"two static poses in {after[0]!r}, {off:.3f} m and {degrees:.1f} deg apart"
+
+
 def pose_of_transform(message: Any) -> Transform | None:
     """Return parent_T_child (4, 4) of a `geometry_msgs/Transform`; None if it is not finite, or its
     quaternion is not of length 1.
@@ -70,6 +116,16 @@ def pose_of_transform(message: Any) -> Transform | None:
             [0.0, 0.0, 0.0, 1.0],
         ]
     )
+
+
+def lidar_pose(base_T_lidar: Transform, is_upside_down: bool) -> Transform:
+    """Return base_T_frame (4, 4) of the frame in which a lidar's driver has to publish its scans.
+
+    Args:
+        base_T_lidar: (4, 4) pose of the lidar's frame by the robot's file, upright or not.
+        is_upside_down: True if the robot's file says that the lidar is mounted upside down.
+    """
+    return base_T_lidar @ UPRIGHT_T_FLIPPED if (base_T_lidar[2, 2] < 0.0) != is_upside_down else base_T_lidar
 
 
 def plain(frame: str) -> str:

@@ -12,7 +12,7 @@ from handcart.evaluation.robot_report.outline import Outline
 from handcart.robotics.kinematics.urdf_contents import joints_of
 
 from .draft import CAMERA_SECTION, LIDAR_SECTION
-from .ros_section import MESSAGE_KINDS, chosen, ros_section
+from .ros_section import MESSAGE_KINDS, chosen, is_upside_down, ros_section
 
 
 def with_air(text: str, air: AirDescription, outline: Outline, srdf: str) -> str:
@@ -29,7 +29,7 @@ def with_air(text: str, air: AirDescription, outline: Outline, srdf: str) -> str
     text = text.replace("from the URDF alone", "from the robot's URDF and topics", 1)
     scan = air.messages.get(chosen("lidar", air.topics[MESSAGE_KINDS["lidar"]])[0])
     if scan is not None and LIDAR_SECTION.split(", ")[0] in text:
-        lines = _lidar(scan).split(", ")
+        lines = _lidar(scan, is_upside_down(air, scan.header.frame_id, outline.root) or False).split(", ")
         text = text.replace(LIDAR_SECTION, ", ".join(lines))
         text = text.replace("\n  ".join(LIDAR_SECTION.split(", ")), "\n  ".join(lines))
         text = text.replace("# by its data sheet", "# by a scan; sigma_mm by its data sheet", 1)
@@ -46,9 +46,11 @@ def with_air(text: str, air: AirDescription, outline: Outline, srdf: str) -> str
     return text + "\n".join(ros_section(air, outline)) + "\n"
 
 
-def _lidar(scan: Any) -> str:
+def _lidar(scan: Any, flips: bool) -> str:
+    """Return the section of a lidar by a scan; `flips` is True if it is mounted upside down."""
     ends = scan.angle_min, scan.angle_min + scan.angle_increment * (len(scan.ranges) - 1)
-    start, end = sorted(map(math.degrees, ends))
+    sign = -1.0 if flips else 1.0
+    start, end = sorted(sign * math.degrees(angle) for angle in ends)
     step = abs(math.degrees(scan.angle_increment))
     if abs(end - start + step - 360.0) < 0.5 * step:
         start, end = start, start + 360.0

@@ -9,8 +9,11 @@ from handcart.backends.ros2.air_check.air_description import (
     AirDescription,
     controller_of,
 )
+from handcart.backends.ros2.wire.frame_tree import plain
 from handcart.backends.ros2.wire.messages import GRIPPER_ACTION, TRAJECTORY_ACTION
 from handcart.evaluation.robot_report.outline import Outline
+from handcart.robotics.geometry.transform import inverse
+from handcart.robotics.kinematics.urdf_frames import link_poses
 
 TOPIC_WORDS: Mapping[str, tuple[Sequence[str], Sequence[str]]] = {
     "velocity": (("cmd_vel",), ("nav", "joy", "teleop", "key", "smooth", "raw", "unstamped", "phone", "tab")),
@@ -64,10 +67,45 @@ def ros_section(air: AirDescription, outline: Outline) -> list[str]:
     for key, kind in MESSAGE_KINDS.items():
         name, others = chosen(key, air.topics[kind])
         if name:
-            frame = _frame(air, name) if key == "odometry" else ""
-            lines.append(f"  {key}: {{topic: {_plain(air, name)}{frame}}}{_or(air, others)}")
+            more = _frame(air, name) if key == "odometry" else ""
+            more += _mount(air, name, outline) if key == "lidar" else ""
+            lines += _unknown_mount(air, name, outline) if key == "lidar" else []
+            lines.append(f"  {key}: {{topic: {_plain(air, name)}{more}}}{_or(air, others)}")
     lines += _controllers(air, outline)
     return lines
+
+
+def is_upside_down(air: AirDescription, frame: str, root: str) -> bool | None:
+    """Return whether the z axis of a lidar's frame points down; None if neither `tf` nor the URDF shows it.
+
+    Args:
+        air: description that the robot publishes of itself.
+        frame: frame of the scans.
+        root: link of the URDF on which the robot stands.
+    """
+    odometry = air.messages.get(chosen("odometry", air.topics[MESSAGE_KINDS["odometry"]])[0])
+    for base in (getattr(odometry, "child_frame_id", ""), root):
+        pose = air.frames.pose(base, frame) if base else None
+        if pose is not None:
+            return bool(pose[2, 2] < 0.0)
+    poses = link_poses(air.urdf) if air.urdf else {}
+    if not {frame, root} <= poses.keys():
+        return None
+    return bool((inverse(poses[root]) @ poses[frame])[2, 2] < 0.0)
+
+
+def _mount(air: AirDescription, topic: str, outline: Outline) -> str:
+    scan = air.messages.get(topic)
+    is_down = scan is not None and is_upside_down(air, plain(scan.header.frame_id), outline.root)
+    return ", upside_down: true" if is_down else ""
+
+
+def _unknown_mount(air: AirDescription, topic: str, outline: Outline) -> list[str]:
+    scan = air.messages.get(topic)
+    if scan is None or is_upside_down(air, plain(scan.header.frame_id), outline.root) is not None:
+        return []
+    frame = scan.header.frame_id
+    return [f"  # tf lacks the lidar's frame {frame!r}; `upside_down: true` below if its scans run clockwise"]
 
 
 def _velocity(air: AirDescription) -> Iterator[str]:

@@ -14,7 +14,12 @@ from hypothesis import strategies as st
 
 from handcart.backends.description.robot_names import robot_path
 from handcart.backends.loading.robot_loading import load_robot
-from handcart.evaluation.robot_report.mount_remarks import hidden_sector, mount_remarks
+from handcart.evaluation.robot_report.mount_remarks import (
+    hidden_links,
+    hidden_sector,
+    mount_remarks,
+    whole_degrees,
+)
 
 LIDAR = '<origin xyz="0 0 0.25"/>'
 MAST = """<link name="mast"><collision><origin xyz="-0.2 0 0.3"/>
@@ -58,6 +63,19 @@ def test_what_hides_the_view_is_told_until_it_is_masked(tmp_path: Path) -> None:
     again = tmp_path / "again"
     again.mkdir()
     assert cart(again, "</robot>", MAST, "\n  masked_deg: [[173, -173]]") == []
+
+
+def test_a_lidar_upside_down_is_masked_by_its_upright_angles(tmp_path: Path) -> None:
+    """The file's angles are counter-clockwise from above, however the lidar is mounted."""
+    aside = MAST.replace("-0.2 0 0.3", "0 0.2 0.3")  # to the left
+    (upright,) = cart(tmp_path, "</robot>", aside)
+    assert "masked_deg: [[83, 97]]" in upright
+    file = tmp_path / "cart.urdf"
+    text = file.read_text(encoding="utf-8").replace(LIDAR, '<origin xyz="0 0 0.25" rpy="3.14159265 0 0"/>')
+    file.write_text(text, encoding="utf-8")
+    robot = load_robot(str(tmp_path / "robot.yaml"))
+    assert any("masked_deg: [[83, 97]]" in str(remark) for remark in mount_remarks(robot))
+    assert [whole_degrees(sector) for _, sector in hidden_links(robot)] == [(83, 97)]
 
 
 def test_a_base_without_casters_tips(tmp_path: Path) -> None:

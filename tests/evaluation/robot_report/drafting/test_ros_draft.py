@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from handcart.backends.description.ros_spec import RosArmSpec, RosGripperSpec, RosSpec
+from handcart.backends.description.ros_spec import RosArmSpec, RosGripperSpec, RosLidarSpec, RosSpec
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 from handcart.backends.ros2.air_check.air_description import (
@@ -19,12 +20,14 @@ from handcart.backends.ros2.air_check.air_description import (
 )
 from handcart.backends.ros2.air_check.connected import connected
 from handcart.backends.ros2.bench.local_air import LocalAir, LocalLink
+from handcart.backends.ros2.wire.frame_tree import FrameTree
 from handcart.evaluation.robot_report.drafting.ros_draft import with_air
-from handcart.evaluation.robot_report.drafting.ros_section import chosen, ros_section
+from handcart.evaluation.robot_report.drafting.ros_section import chosen, is_upside_down, ros_section
 from handcart.evaluation.robot_report.outline import Outline, outline_of
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 
 WORLD = LIBRARY_FOLDER / "world.yaml"
+LIDAR = "range_sensor: {beams: 360, reach_m: 8, sigma_mm: 20}\n"
 TIAGO = {
     "geometry_msgs/TwistStamped": ("/mobile_base_controller/cmd_vel",),
     "geometry_msgs/Twist": ("/joy_vel", "/nav_vel", "/key_vel", "/cmd_vel_nav"),
@@ -185,6 +188,7 @@ def test_sensors_and_postures_are_as_measured() -> None:
     scan = SimpleNamespace(
         angle_min=-1.6581, angle_increment=0.0122829, ranges=[1.0] * 271, range_min=0.05, range_max=25.0
     )
+    scan.header = SimpleNamespace(frame_id="laser")
     topics = {"sensor_msgs/LaserScan": ("/scan",)}
     heard = air(topics, urdf=urdf, srdf=srdf, messages={"/scan": scan})
     draft = 'urdf: "r.urdf"\n    home: [0]\nrange_sensor: {beams: 360, reach_m: 8, sigma_mm: 20}\n'
@@ -192,3 +196,43 @@ def test_sensors_and_postures_are_as_measured() -> None:
     assert 'urdf: "r.urdf"\nsrdf: "r.srdf"\n' in text
     assert "beams: 271, start_deg: -95.002, end_deg: 95.013, range_min_m: 0.05, reach_m: 25" in text
     assert "    carry_pose: [28.65, 28.65, 28.65, 28.65, 28.65, 28.65]     # of the SRDF" in text
+
+
+def described_upside_down(is_upside_down: bool) -> tuple[AirDescription, str]:
+    """Return what is heard of the librarian, its lidar mounted one way or the other, and its draft."""
+    robot = load_robot("librarian")
+    assert robot.camera is not None
+    robot = robot.with_sensors({robot.name_of(robot.camera): None}).read_in(robot.folder)
+    spec = RosSpec(lidar=RosLidarSpec(upside_down=is_upside_down))
+    with connected(robot, spec, make_backend("kinematic", robot, WORLD, 0)) as (link, wait):
+        described = describe_air(link, wait, 0.3)
+    return described, with_air(LIDAR, described, outline_of(described.urdf), "")
+
+
+@pytest.mark.parametrize("is_upside_down", [False, True])
+def test_a_lidar_that_hangs_upside_down_is_drafted_so(is_upside_down: bool) -> None:
+    described, text = described_upside_down(is_upside_down)
+    line = "  lidar: {topic: scan, upside_down: true}" if is_upside_down else "  lidar: {topic: scan}"
+    assert line in text.splitlines()
+    scan = described.messages["scan"]
+    scan.angle_min, scan.ranges = math.radians(-30.0), scan.ranges[:91]  # from -30 to 60 deg, as it counts
+    text = with_air(LIDAR, described, outline_of(described.urdf), "")
+    ends = "start_deg: -60, end_deg: 30" if is_upside_down else "start_deg: -30, end_deg: 60"
+    assert ends in text
+
+
+def test_a_lidar_without_a_frame_is_marked_in_the_draft() -> None:
+    described, _ = described_upside_down(True)
+    described.messages["scan"].header.frame_id = "laser"
+    lines = ros_section(described._replace(frames=FrameTree()), outline_of(described.urdf))
+    place = lines.index("  lidar: {topic: scan}")
+    assert "tf lacks the lidar's frame 'laser'" in lines[place - 1]
+
+
+def test_a_lidar_upside_down_by_the_urdf_alone_is_drafted_so() -> None:
+    turned = '<parent link="b"/><child link="laser"/><origin rpy="3.1416 0 0"/>'
+    joint = f'<joint name="j" type="fixed">{turned}</joint>'
+    urdf = f'<robot name="r"><link name="b"/><link name="laser"/>{joint}</robot>'
+    assert is_upside_down(air({}, urdf=urdf), "laser", "b") is True
+    assert is_upside_down(air({}, urdf=urdf.replace("3.1416", "0")), "laser", "b") is False
+    assert is_upside_down(air({}, urdf=urdf), "camera", "b") is None
