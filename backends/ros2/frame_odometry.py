@@ -15,6 +15,7 @@ class FrameOdometry(OdometryTopic):
     """Wheel odometry computed from the base's poses in the odometry frame, which are published on `tf`."""
 
     KIND = "tf2_msgs/TFMessage"
+    HAS_ONE_NODE = False
 
     @override
     def heard(self, message: Any) -> None:

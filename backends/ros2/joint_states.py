@@ -35,6 +35,7 @@ class JointStates(TopicSensor):
 
     KIND = "sensor_msgs/JointState"
     KEEPS_FRAME = False  # several publishers may send joints
+    HAS_ONE_NODE = False
 
     def expect(self, names: Sequence[str], signs: Sequence[float]) -> None:
         """Set the joints that are needed, before the first message.
@@ -107,7 +108,8 @@ class JointStates(TopicSensor):
         to a stamp in [s]; raise `StaleSensor` if a joint's last reading is too old.
         """
         self.check_fresh()
-        _, nearest = min(self._history, key=lambda item: abs(item[0] - stamp))
+        newest = (stamp, self._positions)
+        _, nearest = min(self._history, key=lambda item: abs(item[0] - stamp), default=newest)
         return np.array([nearest.get(name, self._positions[name]) for name in names])
 
     def efforts(self, names: Sequence[str]) -> FloatArray:
@@ -128,9 +130,17 @@ class JointStates(TopicSensor):
         self._order_s.update(dict.fromkeys((name for name in message.name if name in self._signs), stamp))
 
     @override
+    def _shift_stamps(self, step_s: float) -> None:
+        super()._shift_stamps(step_s)
+        for stamps in (self._order_s, self._stamps_s):
+            stamps.update({name: stamp + step_s for name, stamp in stamps.items()})
+        self._history.clear()
+
+    @override
     def forget(self) -> None:
         super().forget()
         self._order_s, self._stamps_s, self._taken_s, self.jumped = {}, {}, {}, ""
+        self._history.clear()
 
     @override
     def _wrong(self, message: Any) -> str:

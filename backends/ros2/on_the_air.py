@@ -32,8 +32,8 @@ def await_robot(
         discovery_s: shortest wait, in which other nodes that publish commands are discovered, in [s].
 
     Raises:
-        NotOnTheAir: topics are missing, differ from the robot's file, or another node publishes commands; the
-            error lists all of them. No command has been sent.
+        NotOnTheAir: topics are missing, differ from the robot's file, another node publishes commands, or two
+            nodes publish readings; the error lists all of them. No command has been sent.
     """
     begun = link.clock()
     while True:
@@ -45,7 +45,7 @@ def await_robot(
         if missing and link.clock() - begun > seconds:
             raise NotOnTheAir(list(_findings(topics, link)))
         sleep(PAUSE_S)
-    if others := list(other_masters(topics, link)):
+    if others := [*other_masters(topics, link), *doubled_readings(topics, link)]:
         raise NotOnTheAir(others)
 
 
@@ -57,6 +57,21 @@ def other_masters(topics: RosTopics, link: Link) -> Iterator[str]:
             names = ", ".join(sorted(nodes))
             yield f"{topic}: {len(nodes)} nodes publish it ({names}); allowed: this one alone"
     yield from (stream.rival for stream in topics.streams if stream.rival)
+
+
+def doubled_readings(topics: RosTopics, link: Link) -> Iterator[str]:
+    """Yield a message for each topic of readings that several nodes publish: their readings alternate.
+
+    Two nodes are no fault if the robot's file names the frame of the topic and only one of them uses it.
+    """
+    for sensor in topics.sensors:
+        nodes = sorted(node for node in link.publishers(sensor.source.topic) if f"({sensor.KIND})" in node)
+        is_filtered = sensor.source.frame is not None and sensor.has_other_frames
+        if len(nodes) < 2 or not sensor.HAS_ONE_NODE or is_filtered:
+            continue
+        words = f"{sensor.name}: {len(nodes)} nodes publish it ({', '.join(nodes)}); allowed: one"
+        hint = ". Was it started twice, or killed in the last 20 s?" if len(set(nodes)) < len(nodes) else ""
+        yield f"{words}, or its `frame` in the robot's file{hint}"
 
 
 def _silent(topics: RosTopics) -> list[TopicSensor]:

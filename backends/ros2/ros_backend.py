@@ -23,11 +23,14 @@ from handcart.robotics.numerics.arrays import ByteArray
 from handcart.robotics.numerics.compiled import hearing_of_compiling
 
 from .bench.local_bench import LocalBench
-from .on_the_air import DISCOVERY_S, await_robot, other_masters, unheard
+from .on_the_air import DISCOVERY_S, await_robot, doubled_readings, other_masters, unheard
 from .ros_topics import RosTopics, capabilities_of, check_ros_section
 
 MASTERS_PERIOD_S = 1.0
 """Time between two searches for other nodes that command the robot, in [s]."""
+DOUBLED_S = 25.0
+"""Time in [s] after which a second node that publishes readings stops the robot: a killed node counts as
+there for up to 20 s, also if its driver was started again."""
 
 
 class RosBackend(Backend):
@@ -91,7 +94,7 @@ class RosBackend(Backend):
             if self._drivers
             else Pace(self.period, max_excess=spec.max_late_ms / 1e3, max_missed=spec.max_missed_periods)
         )
-        self._looked = self._link.clock()
+        self._looked = self._single = self._link.clock()
         self._thread, self._is_late, self._compiled = threading.get_ident(), False, 0
         self._ears = ExitStack()
         try:
@@ -232,7 +235,7 @@ class RosBackend(Backend):
         self._topics.forget()
         self._drivers.set_state(others)
         self._topics.set_state(own, self._link.receive)
-        self._looked = self._link.clock()
+        self._looked = self._single = self._link.clock()
 
     @override
     def figures(self) -> Mapping[str, Any]:
@@ -276,6 +279,10 @@ class RosBackend(Backend):
         self._looked = now
         if found := list(other_masters(topics, self._link)):
             raise RosFault("; ".join(found))
+        doubled = list(doubled_readings(topics, self._link))
+        self._single = self._single if doubled else now
+        if now - self._single > DOUBLED_S:
+            raise RosFault("; ".join(doubled))
         if deaf := unheard(topics, self._link):
             raise RosFault(f"nobody listens to {', '.join(deaf)} any more")
 

@@ -46,6 +46,12 @@ class OdometryTopic(TopicSensor):
         return None if self._last is None else self._last[1]
 
     @override
+    def _shift_stamps(self, step_s: float) -> None:
+        super()._shift_stamps(step_s)
+        if self._last is not None:
+            self._last = self._last[0] + step_s, self._last[1]
+
+    @override
     def _wrong(self, message: Any) -> str:
         pose = message.pose.pose
         numbers = [pose.position.x, pose.position.y, *_quaternion(pose.orientation)]

@@ -11,7 +11,7 @@ from typing_extensions import override
 from handcart.backends.ros2.air_check.air_description import COMMAND_KINDS, READING_KINDS
 from handcart.backends.ros2.bench.local_messages import new_goal, new_message
 from handcart.backends.ros2.wire.goals import Accepts, GoalSender, SentGoal, TakesGoal
-from handcart.backends.ros2.wire.ros_link import Link, Take
+from handcart.backends.ros2.wire.ros_link import Link, Take, kept_messages
 from handcart.evaluation.offline_localization.bags.bag_messages import BagError, BagMessage, read_bag
 from handcart.files.errors import FileError, Finding, InputError
 from handcart.files.extras import lack
@@ -70,9 +70,8 @@ class BagLink(Link):
             return
         self._takes.setdefault(full, []).append(take)
         if latched:
-            self._hand_over(
-                [message for message in self._messages[: self._next] if message.topic == full][-1:]
-            )
+            before = [message for message in self._messages[: self._next] if message.topic == full]
+            self._hand_over(before[-kept_messages(kind) :])  # a bag does not record who published each
 
     @override
     def receive(self) -> None:

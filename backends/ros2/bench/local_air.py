@@ -8,7 +8,7 @@ from typing import Any
 from typing_extensions import override
 
 from handcart.backends.ros2.wire.goals import Accepts, GoalSender, TakesGoal
-from handcart.backends.ros2.wire.ros_link import KEPT_MESSAGES, Link, Take
+from handcart.backends.ros2.wire.ros_link import Link, Take, kept_messages
 
 from .local_goals import LocalAction, LocalGoalSender
 from .local_messages import new_message
@@ -21,8 +21,8 @@ class LocalAir:
 
     def __init__(self) -> None:
         """Begin without topics, at a time of 1 s: a stamp of 0 means none."""
-        self.latched: dict[str, Any] = {}
-        """Last message of each latched topic, for later subscribers."""
+        self.latched: dict[str, dict[int, Any]] = {}
+        """Last message of each publisher of a latched topic, by its number, for later subscribers."""
         self.time = 1.0
         """Time of the topics, in [s]."""
         self.listeners: dict[str, list[tuple[LocalLink, str, deque[Any]]]] = {}
@@ -44,11 +44,11 @@ class LocalLink(Link):
 
     @override
     def subscribe(self, kind: str, topic: str, take: Take, latched: bool = False) -> None:
-        waiting: deque[Any] = deque(maxlen=KEPT_MESSAGES)
+        waiting: deque[Any] = deque(maxlen=kept_messages(kind))
         self._air.listeners.setdefault(topic, []).append((self, kind, waiting))
         self._taking.append((waiting, take))
-        if latched and topic in self._air.latched:
-            waiting.append(self._air.latched[topic])
+        if latched:
+            waiting.extend(self._air.latched.get(topic, {}).values())
 
     @override
     def publisher(self, kind: str, topic: str) -> Take:
@@ -64,9 +64,11 @@ class LocalLink(Link):
     @override
     def latched(self, kind: str, topic: str) -> Take:
         publish = self.publisher(kind, topic)
+        kept = self._air.latched.setdefault(topic, {})
+        number = len(self._air.publishers[topic])
 
         def keep(message: Any) -> None:
-            self._air.latched[topic] = message
+            kept[number] = message
             publish(message)
 
         return keep

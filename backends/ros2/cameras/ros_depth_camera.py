@@ -12,6 +12,7 @@ from typing_extensions import override
 
 from handcart.backends.capabilities.depth_camera import DepthCamera, DepthImage
 from handcart.backends.live.sensor_errors import StaleSensor
+from handcart.backends.ros2.wire.messages import set_stamp
 from handcart.backends.ros2.wire.topic_sensor import TopicSensor
 from handcart.backends.sensors.depth_spec import DepthCameraSpec
 from handcart.robotics.geometry.transform import Transform
@@ -65,6 +66,12 @@ class PictureTopic(TopicSensor):
     @override
     def _read(self, messages: list[Any]) -> None:
         self.kept.extend(messages)
+
+    @override
+    def _note_clock_step(self, step_s: float) -> None:
+        super()._note_clock_step(step_s)
+        for message in self.kept:  # the next picture of the other topic has a stamp of the new time
+            set_stamp(message.header, stamp_of(message) + step_s)
 
     @override
     def forget(self) -> None:

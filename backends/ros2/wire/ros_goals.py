@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable
 from importlib import import_module
 from typing import Any
-from uuid import uuid4
 
 import numpy as np
 from typing_extensions import override
 
 from .goals import (
-    ACTIVE_NUMBERS,
     ENDS_BY_NUMBER,
     Accepts,
     GoalSender,
     GoalStage,
+    RivalWatch,
     SentGoal,
     ServedGoal,
     TakesGoal,
@@ -25,8 +23,6 @@ from .ros_errors import NoRos
 
 FEEDBACK_TOPIC, FEEDBACK_TYPE = "/_action/feedback", "_FeedbackMessage"
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
-KEPT_IDS = 1000
-"""Number of the last goals that count as this program's own."""
 Came = Callable[[], None]
 """Function that notes that something has arrived."""
 
@@ -49,9 +45,7 @@ class RosGoalSender(GoalSender):
         self._type, self._came = action_class(kind), came
         self._client = import_module("rclpy.action").ActionClient(node, self._type, name)
         self._new_id = import_module("unique_identifier_msgs.msg").UUID
-        self._own: deque[bytes] = deque(maxlen=KEPT_IDS)
-        self._known: set[bytes] = set()
-        self._others = self._intruded = False
+        self._rivals = RivalWatch()
         kind_of_state = import_module("action_msgs.msg").GoalStatusArray
         profile = import_module("rclpy.qos").qos_profile_action_status_default
         node.create_subscription(kind_of_state, f"{name}/_action/status", self._heard, profile)
@@ -62,20 +56,13 @@ class RosGoalSender(GoalSender):
 
     @override
     def others_goal(self) -> bool:
-        return self._others or self._intruded
+        return self._rivals.has_found
 
     def _heard(self, message: Any) -> None:
         """Take the states of all goals of the server, of other clients as well."""
         self._came()
-        foreign = {
-            name: item.status
-            for item in message.status_list
-            if (name := bytes(item.goal_info.goal_id.uuid)) not in self._own
-        }
-        self._others = any(status in ACTIVE_NUMBERS for status in foreign.values())
-        # A goal that a newer one of ours replaced is over when its state arrives. It was executed anyway.
-        self._intruded = self._intruded or (bool(self._own) and not foreign.keys() <= self._known)
-        self._known |= foreign.keys()
+        states = {bytes(item.goal_info.goal_id.uuid): int(item.status) for item in message.status_list}
+        self._rivals.take(states)
 
     @override
     def new_goal(self) -> Any:
@@ -83,8 +70,7 @@ class RosGoalSender(GoalSender):
 
     @override
     def send(self, goal: Any) -> SentGoal:
-        sent, name = _RosGoal(self._came), uuid4().bytes
-        self._own.append(name)
+        sent, name = _RosGoal(self._came), self._rivals.new_id()
         goal_id = self._new_id(uuid=np.frombuffer(name, np.uint8))
         self._client.send_goal_async(goal, goal_uuid=goal_id).add_done_callback(sent.answered)
         return sent

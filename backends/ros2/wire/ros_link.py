@@ -21,6 +21,9 @@ EMPTY_PASSES = 3
 """Passes without a message after which all have arrived: one pass takes one message of each topic."""
 MAX_PASSES = 200
 KEPT_MESSAGES = 5
+KEPT_BY_KIND = {"tf2_msgs/TFMessage": 100, "sensor_msgs/JointState": 100}
+"""Messages kept between two calls of `receive` for types that several nodes publish on one topic: a fast
+node must not push out the messages of a slow one. The listener of tf2 keeps 100 as well."""
 SPUN_PERIODS = 10
 """Periods between two spins of a node without actions; a spin answers requests for parameters, but gives the
 processor away, and a busy machine returns it late."""
@@ -141,7 +144,7 @@ class RosLink(Link):
             self._context, self._node = _new_node(rclpy, name, namespace, domain)
         self._executor = self._new_executor(executors)
         self._executor.add_node(self._node)
-        self._heard: list[tuple[Any, Take]] = []
+        self._heard: list[tuple[Any, Take, int]] = []
         self._came, self._closed, self._has_actions, self._unspun = 0, False, False, 0
 
     def _new_executor(self, executors: Any) -> Any:
@@ -155,11 +158,12 @@ class RosLink(Link):
             take(message)
 
         profile = self._profile(is_command=False)
+        profile.depth = kept_messages(kind)
         if latched:
             profile.reliability = self._qos.ReliabilityPolicy.RELIABLE
             profile.durability = self._qos.DurabilityPolicy.TRANSIENT_LOCAL
         subscription = self._node.create_subscription(message_class(kind), topic, came, profile)
-        self._heard.append((subscription, take))
+        self._heard.append((subscription, take, profile.depth))
 
     @override
     def publisher(self, kind: str, topic: str) -> Take:
@@ -180,8 +184,8 @@ class RosLink(Link):
 
     @override
     def receive(self) -> None:
-        for subscription, take in self._heard:
-            _take_all(subscription, take)
+        for subscription, take, depth in self._heard:
+            _take_all(subscription, take, depth)
         self._unspun += 1
         if self._has_actions or self._unspun >= SPUN_PERIODS:
             self._unspun = 0
@@ -304,10 +308,15 @@ def _new_node(rclpy: Any, name: str, namespace: str, domain: int | None) -> tupl
     return context, rclpy.create_node(name, namespace=namespace or None, context=context)
 
 
-def _take_all(subscription: Any, take: Take) -> None:
-    """Take the messages that have arrived, without waiting for any."""
+def kept_messages(kind: str) -> int:
+    """Return the number of messages of a type that are kept between two calls of `receive`."""
+    return KEPT_BY_KIND.get(kind, KEPT_MESSAGES)
+
+
+def _take_all(subscription: Any, take: Take, depth: int) -> None:
+    """Take the messages that have arrived, at most `depth`, without waiting for any."""
     with subscription.handle:
-        for _ in range(KEPT_MESSAGES):
+        for _ in range(depth):
             taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
             if taken is None:
                 return
