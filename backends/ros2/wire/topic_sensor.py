@@ -101,6 +101,8 @@ class TopicSensor(LiveSensor):
             self.has_other_frames = True
             return f"its frame is {header.frame_id!r}; allowed: {wanted!r}"
         stamp = header.stamp.sec + header.stamp.nanosec / 1e9
+        if stamp == 0.0:
+            return "it has no stamp (0); needed: a driver that stamps its readings"
         age = 0.0 if self._stamps is None else self._stamps() - stamp
         if abs(age) > self._stale:
             what = f"{age:.3g} s old" if age > 0.0 else f"{-age:.3g} s in the future"

@@ -70,6 +70,7 @@ def test_a_lidar_upside_down_counts_the_other_way(start_deg: float, step_deg: fl
     [
         (scan_at(100.0, 359), "359 beams; the robot's file says 360"),
         (scan_at(100.0, start=-3.0), "its beams are at -171.9 to 187.1 deg"),
+        (scan_at(0.0), "it has no stamp (0); needed: a driver that stamps its readings"),
         (scan_at(40.0), "its stamp is 60 s old; allowed: 0.3 s"),
         (scan_at(130.0), "its stamp is 30 s in the future"),
     ],
