@@ -312,6 +312,30 @@ def test_any_action_passes_the_middleware_with_each_of_its_ends() -> None:
             link.close()
 
 
+def test_a_slow_publisher_of_joints_is_heard_beside_a_fast_one() -> None:
+    kind, heard = "sensor_msgs/JointState", list[str]()
+    program, arm, hand = RosLink("program"), RosLink("arm"), RosLink("hand")
+    try:
+        program.subscribe(kind, "joints", lambda message: heard.append(message.name[0]))
+        fast, slow = arm.publisher(kind, "joints"), hand.publisher(kind, "joints")
+        until = time.monotonic() + 20.0
+        while arm.subscribers("joints") + hand.subscribers("joints") < 2 and time.monotonic() < until:
+            time.sleep(0.05)
+        time.sleep(1.0)
+        for publish, name, count in ((slow, "finger", 1), (fast, "shoulder", 25)):
+            message = program.message(kind)
+            message.name, message.position = [name], [0.0]
+            for _ in range(count):
+                publish(message)
+            time.sleep(0.5)
+        program.receive()
+    finally:
+        for link in (program, arm, hand):
+            link.close()
+    assert heard[0] == "finger"
+    assert heard.count("shoulder") == 25
+
+
 def test_no_memory_is_shared_that_a_killed_node_could_lock() -> None:
     link = RosLink("apart")
     try:
