@@ -21,6 +21,7 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import attempt, pushed_reason
 from handcart.primitives.contract.unmet import find_unmet
 from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success
 from handcart.primitives.restoring.snapshot import Snapshot, residuals
 
@@ -122,9 +123,7 @@ class Coordinator:
 
     @property
     def planner(self) -> Planner:
-        """Planner of the run's routes, which also counts the Fails of each action and knows the excluded
-        actions.
-        """
+        """Planner of the run's routes, with the Fails of each action and the excluded actions."""
         return self._route.planner
 
     @property
@@ -275,7 +274,7 @@ class Coordinator:
         try:
             primitive = action.binding.make(self._model)
         except NotBound as unknown:
-            return self._log.not_started(action, str(unknown))
+            return self._log.not_started(action, str(unknown), causes.NOT_KNOWN)
         return (yield from self._act(action, primitive))
 
     def _permitted(self, action: Action) -> Generator[None, None, bool | None]:
@@ -303,7 +302,7 @@ class Coordinator:
         if at is not None and self._robot.localization.lifted is not None and primitive.needs_pose:
             return self._lifted(action, at)
         if unmet := self._unmet_precondition(primitive):
-            return log.not_started(action, unmet)
+            return log.not_started(action, unmet, causes.PRECONDITION)
         self._watch.begins(self.situation, at)
         self.life.act()
         self._supervision.between_actions()  # a request since the last check: then the action does not start

@@ -84,6 +84,7 @@ class NetworkBehaviour(Behaviour):
         """Stop the run and the robot when the behaviour tree that contains this behaviour is shut down."""
         if self._run is not None:
             self._run.close()
+            self._run = self._coordinator = None
             self._robot.stop()
 
     def _ended(self, end: RunEnd) -> Status:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from handcart.primitives.outcomes.outcome import Fail, Outcome, Success
 
@@ -18,6 +18,8 @@ class NotStarted:
     """
 
     reason: str
+    cause: str = field(default="", kw_only=True)
+    """Name of the cause's kind, which may decide the situation; empty if it has none."""
 
 
 @dataclass(frozen=True)
@@ -208,7 +210,7 @@ class RunDecisions:
                 self.failed(reason)
                 self._moved(situation)
             case NotStarted(reason):
-                self.failed(reason)
+                self.failed(reason, cause=outcome.cause)
 
     def _succeeded(self, result: str) -> None:
         hopes = self._hopes and len(self._ahead) == 1

@@ -133,7 +133,7 @@ def _follow(found: RunPosition, record: Record) -> None:
         _take(found, record)
     elif kind == "NOT_STARTED":
         found.fails, found.in_doubt = found.fails + 1, None
-        route.failed(record["reason"])
+        route.failed(record["reason"], cause=record.get("cause", ""))
     elif kind == "RECON":
         _look(found, record)
     elif kind == "AIM":

@@ -202,6 +202,8 @@ class NotStartedRecord(TypedDict):
 
     action: Index
     reason: str
+    cause: NotRequired[str]
+    """Name of the cause's kind; missing if it has none, and in journals of older versions."""
 
 
 @with_config(_OPEN)

@@ -116,3 +116,14 @@ def test_shutdown_while_it_runs(stand: Stand) -> None:
     tick(tree, stand, 10)
     tree.shutdown()
     assert stand.backend.stops
+
+
+def test_ticks_after_a_shutdown_do_not_move_the_robot(stand: Stand) -> None:
+    tree, network, _, _ = tree_of(stand, drive(stand))
+    tick(tree, stand, 10)
+    tree.shutdown()
+    travel = stand.backend.wheels.travel
+    network.tick_once()
+    assert network.status is Status.FAILURE
+    stand.robot.step()
+    assert stand.backend.wheels.travel == travel
