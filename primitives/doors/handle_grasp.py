@@ -56,9 +56,13 @@ def plan_handle(
     base_T_handle: Transform,
     joint: DoorJoint,
     openings: Sequence[float],
+    front: Solid,
     around: Sequence[Solid],
 ) -> PlannedHandle | None:
     """Return the grasp with which the hand can move the handle the farthest; None if there is none.
+
+    On the path of the handle, and as the hand withdraws at its end, the arm touches neither obstacles nor the
+    robot. The front is checked only at its present place.
 
     Args:
         robot: robot with an arm and a gripper.
@@ -66,12 +70,14 @@ def plan_handle(
         base_T_handle: (4, 4) measured pose of the handle.
         joint: assumed hinge or slide of the door, in the base frame.
         openings: assumed present opening, and wanted one, in [rad] if hinged, in [m] if sliding.
-        around: obstacles for the arm, in the base frame, including the front of the door.
+        front: front of the door, in the base frame.
+        around: other obstacles for the arm, in the base frame.
     """
     spec = robot.spec.gripper
     half = (spec.opening_mm if spec is not None else 0.0) / 2e3
     arm = robot.arm_model.with_others({"left_finger": half, "right_finger": half})
-    collision = CollisionModel(arm, around, margin=ARM_MARGIN_M)
+    collision = CollisionModel(arm, (*around, front), margin=ARM_MARGIN_M)
+    on_path = CollisionModel(arm, around, margin=ARM_MARGIN_M)
     here, best = robot.arm.command(), None
     for handle_T_hand in hand_poses(door, robot.spec.finger_shape.tip):
         grip = np.asarray(base_T_handle @ handle_T_hand)
@@ -84,7 +90,7 @@ def plan_handle(
             line = plan_straight(arm, before, grip, STRAIGHT_STEP_M, collision)
             if line is None:
                 continue
-            found = PlannedHandle(before, grip, *_followed(arm, line[-1], grip, joint, openings))
+            found = PlannedHandle(before, grip, *_followed(on_path, line[-1], grip, joint, openings))
             if best is None or (found.reach, found.lever) > (best.reach, best.lever):
                 best = found
         if best is not None and best.reach == 1.0 and best.lever > GOOD_LEVER_M:
@@ -111,20 +117,24 @@ def hand_poses(door: KnownDoor, tip: float) -> Iterator[Transform]:
 
 
 def _followed(
-    arm: ArmModel, joints: FloatArray, grip: Transform, joint: DoorJoint, openings: Sequence[float]
+    collision: CollisionModel,
+    joints: FloatArray,
+    grip: Transform,
+    joint: DoorJoint,
+    openings: Sequence[float],
 ) -> tuple[float, float]:
     """Return the share (0 to 1) of the path that a posture can follow, and the least lever on it.
 
     The lever is the motion of the hand, in [m], by a turn of 1 rad of the joint that turns most.
 
     Args:
-        arm: arm of the robot.
+        collision: arm of the robot among obstacles that it must not touch on the path.
         joints: (n,) posture at the begin of the path, in [rad] or [m].
         grip: (4, 4) base_T_hand at the begin.
         joint: believed joint of the door, in the base frame.
         openings: opening at the begin and at the end, in [rad] or [m].
     """
-    begin, end = openings
+    (begin, end), arm = openings, collision.arm
     from_now = np.linalg.inv(joint.displaced(begin))
     count = max(1, math.ceil(abs(joint.travel(end - begin)) / STEP_M))
     least = _lever(arm, joints, joint, begin)
@@ -133,10 +143,14 @@ def _followed(
         found = arm.inverse(np.asarray(joint.displaced(opening) @ from_now @ grip), joints, restarts=0)
         if found is None or float(np.abs(found - joints).max()) > MAX_LEAP_RAD:
             return (number - 1) / count, least
+        if collision.in_collision(found):
+            return (number - 1) / count, least
         if (lever := _lever(arm, found, joint, opening)) < MIN_LEVER_M:
             return (number - 1) / count, least
         joints, least = found, min(least, lever)
-    return 1.0, least
+    back = arm.forward(joints) @ transform((-APPROACH_M, 0.0, 0.0))
+    line = plan_straight(arm, joints, np.asarray(back), STRAIGHT_STEP_M, collision)
+    return 1.0 if line is not None else (count - 1) / count, least
 
 
 def _lever(arm: ArmModel, joints: FloatArray, joint: DoorJoint, opening: float) -> float:

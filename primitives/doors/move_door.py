@@ -160,12 +160,13 @@ class MoveDoor(ActionPrimitive):
         grip = yield from self._take_handle(robot, model, door, joint, plan, span)
         pulled, state = yield from self.move_handle(robot, model, joint, span, grip)
         yield from self._let_go(robot)
-        yield from self._check_stays(robot, model, joint, pulled)
+        left_at = yield from self._check_stays(robot, model, joint, pulled)
         self._states_before = model.of(Doors).door_states
         model.of(Doors).note(state)
         if self.stow:
             home, swept = np.array(robot.spec.posture("home")), model.of(Doors).swept_areas()
-            yield from move_with_room(robot, model, home, open_areas=swept)
+            front = self._front(model, joint, left_at)
+            yield from move_with_room(robot, model, home, also_around=(front,), open_areas=swept)
         self._done = True
 
     @override
@@ -245,7 +246,7 @@ class MoveDoor(ActionPrimitive):
         seen = joint.handle_at(span[0])
         front, swept = self._front(model, joint, seen), model.of(Doors).swept_areas()
         for bodies in surroundings_to_try(robot, model, open_areas=swept):
-            plan = yield from robot.compute(plan_handle, robot, door, seen, joint, span, (*bodies, front))
+            plan = yield from robot.compute(plan_handle, robot, door, seen, joint, span, front, bodies)
             if plan is not None and plan.reach == 1.0:
                 break
         if plan is None:
@@ -343,8 +344,10 @@ class MoveDoor(ActionPrimitive):
             felt = Measured("Arm", "force that holds the hand", pushed.force, GRASP_TOUCH_FORCE_N, "N")
             raise Discrepancy("the hand doesn't come off the handle", measured=felt, cause=causes.ARM_BLOCKED)
 
-    def _check_stays(self, robot: Robot, model: ModelView, joint: DoorJoint, pulled: Pull) -> Periods:
-        """Look again: the handle must be where the hand let it go."""
+    def _check_stays(
+        self, robot: Robot, model: ModelView, joint: DoorJoint, pulled: Pull
+    ) -> Generator[None, None, Transform]:
+        """Look again; return base_T_handle (4, 4) where the hand let it go: the handle must be there."""
         turned = pulled.path.turned(pulled.point) if pulled.path.is_curved else 0.0
         assert self._start is not None
         expected = transform(rpy=(0.0, 0.0, turned)) @ self._start.base_T_handle
@@ -355,3 +358,4 @@ class MoveDoor(ActionPrimitive):
         if off > MAX_LET_GO_M:
             apart = Measured("Camera", "handle off where it was let go", 1e3 * off, 1e3 * MAX_LET_GO_M, "mm")
             raise Discrepancy(f"{self.door} doesn't stay", measured=apart, cause=causes.MISPLACED)
+        return np.asarray(expected)

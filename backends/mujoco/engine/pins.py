@@ -84,7 +84,13 @@ class Pins:
             wanted: points in the frames of both bodies.
             hand: MuJoCo's number of the hand's body.
             other: MuJoCo's number of the held thing's body.
+
+        Raises:
+            ValueError: there are not `MAX_PIN_POINTS` points; `pull` and `force` would read other
+                constraints.
         """
+        if len(wanted.points) != MAX_PIN_POINTS:
+            raise ValueError(f"{len(wanted.points)} points hold a thing; needed: {MAX_PIN_POINTS}")
         turn = np.zeros(9)
         mujoco().mju_quat2Mat(turn, model.body_iquat[hand])
         for item, (point, there) in enumerate(zip(wanted.points, wanted.other_points, strict=True)):

@@ -14,14 +14,15 @@ from handcart.evaluation.trials.rig import Rig
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.doors.close_door import CloseDoor
 from handcart.primitives.doors.doors import Doors
-from handcart.primitives.doors.handle_grasp import PlannedHandle
+from handcart.primitives.doors.handle_grasp import PlannedHandle, plan_handle
 from handcart.primitives.doors.move_door import MoveDoor
 from handcart.primitives.doors.open_door import OpenDoor
 from handcart.primitives.objects.knowledge.objects import WALL_NAME
-from handcart.primitives.objects.site.roomy_motion import walls_to_try
+from handcart.primitives.objects.site.roomy_motion import move_with_room, walls_to_try
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
-from handcart.robotics.kinematics.shapes import corners
+from handcart.robotics.geometry.transform import transform
+from handcart.robotics.kinematics.shapes import Box, corners
 
 from .door_rig import opening, props, rig_at
 
@@ -142,6 +143,47 @@ def test_walls_around_a_door_are_kept_clear_of_but_not_the_door(tmp_path: Path) 
             for point in ((3.94, 2.7), (3.94, 3.0), (3.94, 3.3), (3.94, 3.8))
         ]
         assert covered == [True, False, False, True]
+
+
+@pytest.mark.slow
+def test_door_is_opened_wide_with_a_grasp_that_allows_it(tmp_path: Path) -> None:
+    """With the grasp of the most lever, the arm would touch itself at the end of the path."""
+    with rig_at("cupboard", tmp_path) as rig:
+        assert isinstance(outcome := rig.do(OpenDoor(door="cupboard", angle_deg=60.0)), Success), outcome
+        assert math.degrees(opening(rig, "cupboard")) == pytest.approx(60.0, abs=0.6)
+
+
+def test_handle_is_not_followed_into_a_wall_nor_let_go_before_one(tmp_path: Path) -> None:
+    """A post behind the hand blocks the path of the drawer, or only the withdrawal at its end, or nothing."""
+    with rig_at("drawer", tmp_path) as rig:
+        primitive = OpenDoor(door="drawer")
+        model: Any = rig.model.view(primitive)  # type: ignore[arg-type]
+        joint, door = primitive.believed_joint(rig.robot, model), primitive.known(model)
+        handle = joint.handle_at(0.0)
+        front = primitive._front(model, joint, handle)
+        found = []
+        for away in (0.40, 0.55, 0.70):
+            post = Box(handle @ transform((away, 0.0, 0.0)), (0.02, 0.02, 0.02), "post")
+            plan = plan_handle(rig.robot, door, handle, joint, (0.0, 0.2), front, (post,))
+            found.append(plan is not None and plan.reach == 1.0)
+    assert found == [False, False, True]
+
+
+@pytest.mark.slow
+def test_arm_goes_home_clear_of_the_opened_door(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    kept_clear: list[Any] = []
+
+    def move(*arguments: Any, **options: Any) -> Periods:
+        kept_clear[:] = options.get("also_around", ())
+        yield from move_with_room(*arguments, **options)
+
+    monkeypatch.setattr("handcart.primitives.doors.move_door.move_with_room", move)
+    with rig_at("cupboard", tmp_path) as rig:
+        assert isinstance(rig.do(OpenDoor(door="cupboard", angle_deg=20.0)), Success)
+        front, scene = props(rig).parts["door cupboard"], rig.backend.scene  # type: ignore[attr-defined]
+        true = np.linalg.inv(scene.world_T_base) @ front.pose @ front.thing_T_middle
+        assert [body.name for body in kept_clear] == [front.name]
+        assert kept_clear[0].pose[:3, 3] == pytest.approx(true[:3, 3], abs=0.03)
 
 
 @pytest.mark.slow
