@@ -165,8 +165,9 @@ def test_handle_is_not_followed_into_a_wall_nor_let_go_before_one(tmp_path: Path
         for away in (0.40, 0.55, 0.70):
             post = Box(handle @ transform((away, 0.0, 0.0)), (0.02, 0.02, 0.02), "post")
             plan = plan_handle(rig.robot, door, handle, joint, (0.0, 0.2), front, (post,))
-            found.append(plan is not None and plan.reach == 1.0)
-    assert found == [False, False, True]
+            assert plan is not None
+            found.append(plan.reach)
+    assert found[0] < 0.7 < found[1] < 1.0 == found[2]
 
 
 @pytest.mark.slow
