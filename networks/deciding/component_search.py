@@ -113,7 +113,8 @@ class ComponentSearch:
             beyond: function that returns the bounds of a settled state outside this component of the network.
 
         Returns:
-            A state outside the component that has to be settled first; None if the state is settled.
+            A state outside the component that has to be settled first; None if the bounds are as close as
+                asked, or if no further state would bring them closer.
 
         Raises:
             TooMuch: the budget is spent; the bounds are valid, but not close enough.
