@@ -219,12 +219,14 @@ def _look(found: RunPosition, record: Record) -> None:
 
 
 def _acknowledge(found: RunPosition, record: Record) -> None:
-    found.gave_up, found.over, found.in_doubt = None, None, None
+    found.gave_up, found.over = None, None
+    if record["of"] == "END":  # an action that had begun then stays in doubt
+        return
+    found.in_doubt = None
     if record["of"] == TORN_RECORD and not found.route.planned:
         return
-    if record.get("of") != "END":
-        found.fails += 1
-        found.route.failed(record["reason"])
+    found.fails += 1
+    found.route.failed(record["reason"])
 
 
 def _stands(found: RunPosition, record: Record) -> None:

@@ -14,8 +14,9 @@ def waiting(contents: JournalContents) -> dict[int, str]:
     """Return the records of a journal that a person still has to acknowledge, with their reasons.
 
     These are a GiveUp, and the START of an action that was broken off. A damaged last record waits as well,
-    because it may be such a START or the action's result (row D3 of faults.md). In a simulated run only a
-    GiveUp waits, because the simulated world is restored to its state before the action.
+    because it may be such a START or the action's result (row D3 of faults.md). Of an action that a GiveUp of
+    the run broke off, only the START waits. In a simulated run only a GiveUp waits, because the simulated
+    world is restored to its state before the action.
 
     Returns:
         Reason by the number of the record.
@@ -23,6 +24,7 @@ def waiting(contents: JournalContents) -> dict[int, str]:
     records = contents.records
     found: dict[int, str] = {}
     started: Record | None = None
+    end: Record | None = None
     for record in records:
         kind = record["kind"]
         if kind == "START":
@@ -33,15 +35,19 @@ def waiting(contents: JournalContents) -> dict[int, str]:
                 found[record["q"]] = str(record["reason"])
         elif kind == "END" and record["outcome"] == "GiveUp" and not found:
             found[record["q"]] = str(record["reason"])
+            end = record
         elif kind == "ACK":
             found.pop(record["record"], None)
-            started = None if started and started["q"] == record["record"] else started
+            if started is not None and started["q"] == record["record"]:
+                started = None
+                found.clear()  # the GiveUp that broke the action off was looked at with it
         elif kind == "EPOCH":  # the run was resumed
             started = None
     if not records or is_simulated(contents):
         return found
     if started is not None:
-        found[started["q"]] = broken_off(started)
+        ended = None if end is None else found.pop(end["q"], None)
+        found[started["q"]] = broken_off(started) + ("" if ended is None else f": {ended}")
     elif contents.torn_at is not None and may_have_begun(records):
         found[len(records)] = f"record {len(records)} is damaged: an action may have begun"
     return found

@@ -266,6 +266,9 @@ def test_a_journal_leads_to_where_its_run_stands(stand: Stand) -> None:
         network, plan, start, result, end, {"kind": "ACK", "record": 4, "of": "END", "reason": ""}
     )
     assert (state.gave_up, state.over, state.fails) == (None, None, 0)
+    looked_at = {"kind": "ACK", "record": 3, "of": "END", "reason": ""}
+    still = followed(network, plan, start, {**end, "situation": "a"}, looked_at)
+    assert (still.gave_up, still.over, still.in_doubt["n"], still.fails) == (None, None, 1, 0)
     epoch = followed(network, plan, start, {"kind": "EPOCH"})
     assert (epoch.in_doubt, epoch.over, epoch.fails) == (None, None, 0)
 

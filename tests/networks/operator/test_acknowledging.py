@@ -66,6 +66,17 @@ def test_an_action_that_was_broken_off_waits_by_its_start(tmp_path: Path) -> Non
     assert last(run)["of"] == "START"
 
 
+def test_an_action_during_which_the_robot_failed_waits_once(tmp_path: Path) -> None:
+    """A fault of the robot leaves START and END open; a person looks at both in one."""
+    end = ("END", {"outcome": "GiveUp", "situation": "a", "reason": "axis 2 is lost"})
+    run = write(tmp_path / "run", PLAN, START, end)
+    with pytest.raises(NothingToAcknowledge, match=r"allowed: 2$"):
+        acknowledge(run, 3)
+    assert acknowledge(run, 2) == "action 1, MOVE_TO from a, was broken off: axis 2 is lost"
+    with pytest.raises(NothingToAcknowledge, match="none waits"):
+        acknowledge(run, 3)
+
+
 def test_a_damaged_record_is_acknowledged_by_the_one_before_it(tmp_path: Path) -> None:
     run = write(tmp_path / "run", PLAN, START, ("RESULT", {"n": 1, "outcome": "Success"}))
     before = last(run)["h"]
