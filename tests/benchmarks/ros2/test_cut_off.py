@@ -20,6 +20,7 @@ ROOT = Path(__file__).parents[3]
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_row_that_is_cut_off_keeps_its_trials(number: signal.Signals) -> None:
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
     done, before = 0, signal.getsignal(signal.SIGTERM)
     with CutOff() as cut:
         for done in range(20):
@@ -39,6 +40,7 @@ def test_a_row_that_is_cut_off_keeps_its_trials(number: signal.Signals) -> None:
 def test_an_interrupted_run_ends_the_tasks_and_is_not_counted(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     begun: list[int] = []
 
     def run(task: str, bench: str, seed: int, heard: Interrupts) -> dict[str, object]:
