@@ -21,6 +21,8 @@ from .task_parts import TaskParts, failures, most_attempts, successes
 MAX_JANI_BYTES = 1 << 24
 COMMENT_PREFIX = "handcart: "
 """Begin of comments with what a model does not express."""
+GAVE_UP_NAME = "gave up"
+"""Name of the absorbing location of tasks whose actions state `p_give_up`; no situation of the task."""
 
 
 def model_text(parts: TaskParts) -> str:
@@ -35,7 +37,10 @@ def _model(parts: TaskParts) -> dict[str, Any]:
         {"name": name, "comment": COMMENT_PREFIX + json.dumps(facts)}
         for name, facts in parts.situations.items()
     ]
-    edges = [edge for number, row in enumerate(parts.actions) for edge in _edges(number, row)]
+    gave_up = _unused_name(parts.situations)
+    if any(row.get("p_give_up") for row in parts.actions):
+        locations.append({"name": gave_up})
+    edges = [edge for number, row in enumerate(parts.actions) for edge in _edges(number, row, gave_up)]
     return {
         "jani-version": 1,
         "name": str(parts.head["title"]),
@@ -58,6 +63,14 @@ def _model(parts: TaskParts) -> dict[str, Any]:
         ],
         "system": {"elements": [{"automaton": "task"}]},
     }
+
+
+def _unused_name(situations: Mapping[str, Any]) -> str:
+    """Return a name for the location of GiveUp that no situation has."""
+    name = GAVE_UP_NAME
+    while name in situations:
+        name += " (handcart)"
+    return name
 
 
 def _with_goal(location: dict[str, Any], goal: str) -> dict[str, Any]:
@@ -86,8 +99,11 @@ def _label(number: int, row: Any) -> str:
     return f"{number} {row['do']}"
 
 
-def _edges(number: int, row: Any) -> Iterator[dict[str, Any]]:
-    """Yield the edges of an action; the first one has what is not expressed as its comment."""
+def _edges(number: int, row: Any, gave_up: str) -> Iterator[dict[str, Any]]:
+    """Yield the edges of an action; the first one has what is not expressed as its comment.
+
+    `gave_up` is the location that a GiveUp leads to.
+    """
     most = most_attempts(row)
     count: dict[str, Any] = {}
     edge: dict[str, Any] = {"location": row["from"], "action": _label(number, row)}
@@ -97,14 +113,15 @@ def _edges(number: int, row: Any) -> Iterator[dict[str, Any]]:
         count = {"assignments": [{"ref": name, "value": {"op": "+", "left": name, "right": 1}}]}
     good = [({"location": to}, p) for to, _, p in successes(row)]
     bad = [({"location": to, **count}, p) for to, _, p in failures(row)]
+    end = [({"location": gave_up}, row["p_give_up"])] if row.get("p_give_up") else []
     comment = COMMENT_PREFIX + json.dumps({**row, "keys": list(row)})
     if all(p is not None for _, p in good):
         rest = 1.0 - sum(p for _, p in good) - row.get("p_give_up", 0.0) - sum(p or 0.0 for _, p in bad[:-1])
         bad[-1] = bad[-1][0], max(0.0, rest)
-        every = [{**to, "probability": {"exp": p}} for to, p in (*good, *bad) if p]
+        every = [{**to, "probability": {"exp": p}} for to, p in (*good, *bad, *end) if p]
         yield {**edge, "destinations": every, "comment": comment}
         return
-    for place, (to, _) in enumerate((*good, *bad)):
+    for place, (to, _) in enumerate((*good, *bad, *end)):
         yield {**edge, "destinations": [to], **({} if place else {"comment": comment})}
 
 
@@ -139,6 +156,7 @@ def _own(model: Any, described: str) -> TaskParts:
     situations = {
         location["name"]: json.loads(location["comment"].removeprefix(COMMENT_PREFIX))
         for location in automaton["locations"]
+        if location.get("comment", "").startswith(COMMENT_PREFIX)
     }
     rows = []
     edges = [item for item in automaton["edges"] if item.get("comment", "").startswith(COMMENT_PREFIX)]

@@ -24,7 +24,7 @@ Outcome = tuple[float, Mapping[str, bool]]
 
 
 class _NotExpressed(Exception):
-    """A part of an action that conditions cannot express."""
+    """A part of an action or of the goal that conditions cannot express."""
 
     def __init__(self, expression: Expression, meaning: str) -> None:
         super().__init__(meaning)
@@ -47,14 +47,19 @@ def import_planning(path: Path | str, problem: Path | str | None = None) -> Impo
     Raises:
         FileError: domain or problem is missing, or cannot be converted.
     """
-    expressions = [*read_expressions(path), *(read_expressions(problem) if problem else [])]
-    found = {_kind(expression): expression for expression in expressions if expression.head == "define"}
+    read = [(file, item) for file in (path, problem) if file for item in read_expressions(file)]
+    found = {_kind(item): item for _, item in read if item.head == "define"}
+    files = {_kind(item): file for file, item in read if item.head == "define"}
     for kind in ("domain", "problem"):
         if kind not in found:
             wrong = f"there is no {kind}; needed: (define ({kind} NAME) ...), here or by --problem"
             raise FileError([Finding(str(path), 1, 1, wrong)])
     try:
         return _Planning(found["domain"], found["problem"]).imported()
+    except _NotExpressed as lost:
+        wrong = f"{lost.expression.head} in the goal; allowed: a conjunction of atoms"
+        here = lost.expression.line, lost.expression.column
+        raise FileError([Finding(str(files["problem"]), *here, wrong)]) from None
     except (LookupError, ValueError) as error:
         raise FileError([Finding(str(path), 1, 1, f"no usable domain or problem: {error}")]) from None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import random
 import re
 from collections.abc import Callable, Mapping
@@ -19,6 +20,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.evaluation.interchange.bt_export import parts_of_tree, tree_text
 from handcart.evaluation.interchange.exporting import FORMAT_WRITERS, exported
 from handcart.evaluation.interchange.importing import import_file
+from handcart.evaluation.interchange.jani import GAVE_UP_NAME, model_text
 from handcart.evaluation.interchange.py_trees_export import parts_of_py_tree, py_tree
 from handcart.evaluation.interchange.py_trees_import import import_py_tree
 from handcart.evaluation.interchange.task_draft import TooLargeDraft, yaml_text
@@ -239,8 +241,6 @@ def test_retries_that_multiply_are_refused(tmp_path: Path) -> None:
 
 
 def test_models_of_others_are_read_where_they_are_plain(tmp_path: Path, read: Import) -> None:
-    import json
-
     edges = [
         {"location": "a", "action": "go", "destinations": [{"location": "b", "probability": {"exp": 0.9}},
                                                             {"location": "a", "probability": {"exp": 0.1}}]},
@@ -255,6 +255,26 @@ def test_models_of_others_are_read_where_they_are_plain(tmp_path: Path, read: Im
     assert [each["p"] for each in found.data["actions"][0]["then"]] == [0.9, 0.1]
     assert any("guard of edge 1" in each.construct for each in found.lost)
     assert read("m.jani", json.dumps(model)).network.goal == "c"
+
+
+def test_models_with_give_ups_have_probabilities_that_sum_to_1(tmp_path: Path) -> None:
+    parts = TaskParts.of_task(load_task(TASKS["track_seam"]))
+    assert any(row.get("p_give_up") for row in parts.actions)
+    parts = TaskParts(parts.head, {**parts.situations, GAVE_UP_NAME: {}}, parts.actions, parts.order)
+    (tmp_path / "m.jani").write_text(model_text(parts))
+    automaton = json.loads((tmp_path / "m.jani").read_text())["automata"][0]
+    names = [location["name"] for location in automaton["locations"]]
+    assert len(set(names)) == len(names) == len(parts.situations) + 1
+    for edge in automaton["edges"]:
+        chances = [end["probability"]["exp"] for end in edge["destinations"]]
+        assert sum(chances) == pytest.approx(1.0, abs=1e-12)
+        assert {end["location"] for end in edge["destinations"]} <= set(names)
+    ends = [
+        (end["location"], end["probability"]["exp"]) for e in automaton["edges"] for end in e["destinations"]
+    ]
+    stated = [row["p_give_up"] for row in parts.actions if row.get("p_give_up")]
+    assert [p for name, p in ends if name == names[-1]] == stated
+    assert import_file(tmp_path / "m.jani").data == parts.data()
 
 
 def test_choices_in_scripts_have_the_brackets_that_they_need() -> None:

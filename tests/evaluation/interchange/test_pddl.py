@@ -107,3 +107,22 @@ def test_wrong_planning_files_are_refused(tmp_path: Path, text: str, message: st
     with pytest.raises(FileError) as error:
         import_file(tmp_path / "d.pddl")
     assert message in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("goal", "head", "column"),
+    [
+        ("(or (in red attic) (in blue attic))", "or", 64),
+        ("(and (in red attic) (forall (?b - ball) (in ?b attic)))", "forall", 82),
+        ("(exists (?b - ball) (in ?b attic))", "exists", 64),
+        ("(imply (in red attic) (in blue attic))", "imply", 64),
+    ],
+)
+def test_a_goal_other_than_a_conjunction_is_refused_at_its_place(
+    tmp_path: Path, goal: str, head: str, column: int
+) -> None:
+    (tmp_path / "d.pddl").write_text(ROOMS)
+    (tmp_path / "p.pddl").write_text(PROBLEM.replace("(and (in red attic) (in blue attic))", goal))
+    with pytest.raises(FileError) as error:
+        import_file(tmp_path / "d.pddl", tmp_path / "p.pddl")
+    assert f"p.pddl:2:{column}: {head} in the goal; allowed: a conjunction of atoms" in str(error.value)
