@@ -47,7 +47,9 @@ class Imagined:
     cost_s: float
     """Sum of the costs of its actions, in [s]."""
     lines: tuple[str, ...]
-    """Description of each action, one line each."""
+    """Description of each action and of each skipped element of a `repeat`, one line each."""
+    skipped: tuple[str, ...] = ()
+    """Elements of a `repeat` that are left undone."""
 
     def summary(self) -> dict[str, Any]:
         """Return the result of an imagined run (outcomes given by a script) as fields that can be written as
@@ -57,9 +59,10 @@ class Imagined:
             "outcome": self.outcome,
             "situation": self.situation,
             "reason": self.reason,
-            "actions": len(self.lines),
+            "actions": len(self.lines) - len(self.skipped),
             "cost_s": self.cost_s,
             "did": list(self.lines),
+            "skipped": list(self.skipped),
         }
 
 
@@ -77,28 +80,35 @@ def follow(network: ActionNetwork, outcomes: Iterable[Word | WithResult]) -> Ima
     """
     route, words, cost = RunDecisions(network, planner_of(network)), iter(outcomes), 0.0
     lines: list[str] = []
+    skipped: list[str] = []
+
+    def end(outcome: Literal["Success", "Fail", "GiveUp"], reason: str) -> Imagined:
+        return Imagined(outcome, route.situation, reason, cost, tuple(lines), tuple(skipped))
+
     while not route.arrived:
         if not route.planned:
             plan = route.plan()
             if isinstance(plan, NoWay):
-                ended: Literal["Fail", "GiveUp"] = "GiveUp" if plan.calls_person else "Fail"
-                return Imagined(ended, route.situation, plan.explanation, cost, tuple(lines))
+                return end("GiveUp" if plan.calls_person else "Fail", plan.explanation)
             if route.arrived:
                 break
         action = route.next
-        given = "Success" if action.binding is None else next(words, "Success")
+        if action.binding is None:
+            skipped.append(network.situations[action.source].element or action.source)
+            lines.append(f"{len(lines) + 1}. {action}: {skipped[-1]} is left undone")
+            route.took(Success())
+            continue
+        given = next(words, "Success")
         word, result = ("Success", given.success) if isinstance(given, WithResult) else (given, "")
-        cost += 0.0 if action.binding is None else action.cost_s
+        cost += action.cost_s
         said = f"{word} ({result})" if result else word
         lines.append(f"{len(lines) + 1}. {action}: {said}, {action.cost_s:g} s")
         if word == "GiveUp":
-            reason = f"{action}: as the script says"
-            return Imagined("GiveUp", route.situation, reason, cost, tuple(lines))
+            return end("GiveUp", f"{action}: as the script says")
         if word == "Success":
             route.took(Success({}, result))
         else:
             route.failed("as the script says", word == "FailForGood")
     if route.lost is not None:
-        reason = f"{route.lost.explanation}; otherwise: {route.situation} is reached"
-        return Imagined("Fail", route.situation, reason, cost, tuple(lines))
-    return Imagined("Success", route.situation, "", cost, tuple(lines))
+        return end("Fail", f"{route.lost.explanation}; otherwise: {route.situation} is reached")
+    return end("Fail", f"left undone: {', '.join(skipped)}") if skipped else end("Success", "")

@@ -13,6 +13,7 @@ from handcart.files.models.json_schema import schema
 from handcart.networks.analysis.figures import figures
 from handcart.networks.analysis.task_findings import task_findings
 from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.script import follow
 from handcart.networks.drawing.drawing import WRITER_BY_SUFFIX
 from handcart.networks.events.events import Event, Started
 from handcart.networks.graph.network import Action
@@ -108,6 +109,16 @@ def test_both_parts_skip_and_say_which(load: Callable[..., Task], stand: Stand) 
     assert (end.outcome, end.exit_status, end.situation) == ("Fail", 3, "z")
     assert end.skipped == ("word[2] (two) from a", "word[1] (three) from c")
     assert cleared == ["a[2]", "c[1]", "c[2]", "c[3]", "z"]
+
+
+def test_imagined_run_ends_as_one_that_skipped_an_element(load: Callable[..., Task]) -> None:
+    imagined = follow(load(TWICE).network, ["Success", "Success", "Success", "FailForGood"])
+    assert (imagined.outcome, imagined.situation) == ("Fail", "z")
+    assert imagined.reason == "left undone: word[2] (two) from a"
+    assert imagined.lines[4] == "5. SKIP (a[2] to c[1]): word[2] (two) from a is left undone"
+    summary = imagined.summary()
+    assert (summary["actions"], len(summary["did"])) == (10, 11)
+    assert summary["skipped"] == ["word[2] (two) from a"]
 
 
 def test_element_knowledge_is_cleared_between_two_parts(load: Callable[..., Task], stand: Stand) -> None:
