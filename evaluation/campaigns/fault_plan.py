@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 
 from handcart.backends.backend import Backend
 from handcart.backends.robot.robot import Robot
-from handcart.evaluation.conformance.faults.fault import Fault, FaultKind, all_sensors
+from handcart.evaluation.conformance.faults.fault import FOR_GOOD, Fault, FaultKind, all_sensors
 from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
 from handcart.files.models.loading import load
 from handcart.files.models.model import FileModel
@@ -22,6 +22,8 @@ from handcart.networks.events.run_observer import RunObserver
 
 Seconds = Annotated[float, Field(gt=0.0, le=1e6)]
 _OF_A_SENSOR = ("stale sensor", "NaN")
+_IN_ONE_CALL = (FaultKind.EXCEPTION, FaultKind.REFUSED)
+"""Kinds that wait for the next call that they concern, and end with it."""
 
 
 class PlannedFault(FileModel):
@@ -32,8 +34,8 @@ class PlannedFault(FileModel):
     ]
     sensor: str = ""
     """Affected sensor; empty for an exception that the next command raises."""
-    periods: Annotated[int, Field(ge=1, le=1_000_000)] = 1
-    """Duration in periods."""
+    periods: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
+    """Duration in periods; None: until the next call for an exception and a refused command, otherwise 1."""
     speed_m_s: float = 0.0
     """Speed at which a standing base slides forwards."""
     turn_deg_s: float = 0.0
@@ -55,8 +57,9 @@ class PlannedFault(FileModel):
 
     def fault(self) -> Fault:
         """Return the fault to inject, as the keys of this entry of a faults file describe it."""
-        turn = math.radians(self.turn_deg_s)
-        return Fault(FaultKind(self.kind), self.sensor, self.periods, self.speed_m_s, turn)
+        kind, turn = FaultKind(self.kind), math.radians(self.turn_deg_s)
+        periods = self.periods or (FOR_GOOD if kind in _IN_ONE_CALL else 1)
+        return Fault(kind, self.sensor, periods, self.speed_m_s, turn)
 
     def instants(self, draw: Random) -> Iterator[float]:
         """Yield the robot times in [s] at which the fault is injected, in ascending order.

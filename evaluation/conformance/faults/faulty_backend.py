@@ -52,7 +52,7 @@ class FaultyBackend(LayeredBackend):
         self._fault: Fault | None = None
         self._left = 0
         self._stuck: Capability | None = None
-        self._last: dict[tuple[Kind, str], Any] = {}
+        self._last: dict[tuple[int, str], Any] = {}
         self._read_once: set[str] = set()
         self._joints: FloatArray | None = None
         self._width: float | None = None
@@ -62,6 +62,7 @@ class FaultyBackend(LayeredBackend):
     def inject(self, fault: Fault) -> None:
         """Begin a fault, instead of the one injected before, for its number of periods."""
         self._fault, self._left = fault, fault.periods
+        self._stuck = None
 
     @property
     def sensors_read(self) -> tuple[str, ...]:
@@ -120,7 +121,7 @@ class FaultyBackend(LayeredBackend):
         take = partial(super().pass_on, part, kind, method, *words)
         reading = kind.READINGS.get(method)
         if reading is not None:
-            return self._read(reading, (kind, method), take)
+            return self._read(reading, (id(part), method), take)
         if method in kind.COMMANDS:
             self._call("")
         return take()
@@ -208,7 +209,7 @@ class FaultyBackend(LayeredBackend):
         """
         return WheelTravel(*np.add(base.wheel_travel(), self._hidden))
 
-    def _read(self, reading: Reading, name: tuple[Kind, str], take: Callable[[], Any]) -> Any:
+    def _read(self, reading: Reading, name: tuple[int, str], take: Callable[[], Any]) -> Any:
         self._call(reading.sensor)
         concerned = self._fault is not None and self._fault.sensor == reading.sensor
         if concerned and self._is(FaultKind.STALE) and name in self._last:

@@ -11,8 +11,14 @@ from typing import Any
 
 import pytest
 
+from handcart.backends.backend import CommandError
+from handcart.backends.capabilities.base import Base
 from handcart.evaluation.campaigns.data.campaign_folder import CampaignFolder
 from handcart.evaluation.campaigns.fault_plan import InjectedFaults, load_faults
+from handcart.evaluation.conformance.faults.fault import FOR_GOOD
+from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend, InjectedError
+from handcart.evaluation.conformance.rig.bench import KitBench
+from handcart.evaluation.conformance.rig.parts import needed
 from handcart.files.errors import FileError
 from tests.tools.conftest import Said
 from tests.tools.conftest import handcart as handcart
@@ -42,6 +48,27 @@ def test_when_they_come(plan: Path) -> None:
     assert instants[-1] == pytest.approx(4000.0, rel=0.07)
     assert instants == list(itertools.islice(drawn.instants(Random(1)), 2000))
     assert InjectedFaults(load_faults(plan), 1)._next != InjectedFaults(load_faults(plan), 2)._next
+
+
+@pytest.mark.parametrize("kind", ["exception", "refused command", "slip"])
+def test_a_fault_of_the_next_call_waits_for_it(tmp_path: Path, kind: str) -> None:
+    """An exception and a refused command wait for the next call, unless the plan says how long."""
+    path = tmp_path / "faults.yaml"
+    lines = [f"  - {{kind: {kind}, at_s: 1.0{more}}}\n" for more in ("", ", periods: 3")]
+    path.write_text(f"format: handcart-faults/1\nfaults:\n{''.join(lines)}", encoding="utf-8")
+    unstated, stated = (fault.fault() for fault in load_faults(path).faults)
+    assert (unstated.periods, stated.periods) == (1 if kind == "slip" else FOR_GOOD, 3)
+    if kind == "slip":
+        return
+    with KitBench("kinematic", "librarian").rig() as rig:
+        faulty = FaultyBackend(rig.backend)
+        faulty.inject(unstated)
+        for _ in range(5):
+            faulty.step()
+        base = needed(faulty, Base)
+        with pytest.raises((InjectedError, CommandError)):
+            base.drive(0.1, 0.0)
+        base.drive(0.1, 0.0)  # it ends with the call
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from handcart.backends.backend import Backend, CommandError
+from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.capability import Capability, Reading
 from handcart.backends.capabilities.gps import Fix, Gps
 from handcart.backends.capabilities.imu import Imu
@@ -110,6 +112,35 @@ def test_faults_reach_a_new_capability(faulty: FaultyBackend) -> None:
     assert scale.load().number == 2
     faulty.step()
     assert scale.load().number == 3
+
+
+def test_a_stale_sensor_repeats_its_own_reading(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of two sensors of one kind, each repeats what itself has read last."""
+    monkeypatch.setattr(layered_backend, "all_capabilities", lambda: (*all_capabilities(), Scale))
+    other, both = OwnScale(), WithScale()
+    other.count = 6
+    monkeypatch.setattr(both, "capabilities", lambda: (both.scale, other))
+    faulty = FaultyBackend(both)
+    scales: list[Any] = list(faulty.capabilities())
+    assert [scale.load().number for scale in scales] == [1, 7]
+    faulty.inject(Fault(FaultKind.STALE, "scale", FOR_GOOD))
+    assert [scale.load().number for scale in scales] == [1, 7]
+
+
+def test_a_second_stuck_fault_holds_what_is_commanded_next() -> None:
+    with KitBench("kinematic", "librarian").rig() as rig:
+        faulty = FaultyBackend(rig.backend)
+        arm, base = needed(faulty, Arm), needed(faulty, Base)
+        faulty.inject(Fault(FaultKind.STUCK, periods=FOR_GOOD))
+        arm.move(arm.command())
+        assert faulty.bitten == 1
+        faulty.inject(Fault(FaultKind.STUCK, periods=FOR_GOOD))
+        before = base.wheel_travel()
+        for _ in range(20):
+            base.drive(0.1, 0.0)
+            faulty.step()
+        assert faulty.bitten == 21
+        assert base.wheel_travel() == pytest.approx(before)
 
 
 @pytest.mark.parametrize(("sensor", "error"), [("scale", InjectedError), ("", InjectedError)])
