@@ -113,7 +113,7 @@ def test_wrong_planning_files_are_refused(tmp_path: Path, text: str, message: st
     ("goal", "head", "column"),
     [
         ("(or (in red attic) (in blue attic))", "or", 64),
-        ("(and (in red attic) (forall (?b - ball) (in ?b attic)))", "forall", 82),
+        ("(and (in red attic) (forall (?b - ball) (in ?b attic)))", "forall", 84),
         ("(exists (?b - ball) (in ?b attic))", "exists", 64),
         ("(imply (in red attic) (in blue attic))", "imply", 64),
     ],
