@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, ClassVar
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 from typing_extensions import override
 
 from handcart.backends.capabilities.base import Base
@@ -13,6 +13,8 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive, Perio
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+
+from .lidar_watch import LidarWatch
 
 BLOCKED_TIMEOUT_S = 10.0  # time for which an obstacle may prevent the turn
 STOPPING_SPEED_M_S = 0.05  # below which the base is let stop
@@ -31,6 +33,8 @@ class Orient(ActionPrimitive):
     needs: ClassVar = (Base,)
     needs_pose: ClassVar = False
     arm_inside: ClassVar = True
+
+    _lidar_watch: LidarWatch = PrivateAttr(default_factory=LidarWatch)
 
     @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
@@ -58,3 +62,7 @@ class Orient(ActionPrimitive):
             speed -= limits.acceleration * robot.period
             robot.base.drive(speed, 0.0)
             yield
+
+    def watch(self, robot: Robot, model: ModelView) -> None:
+        """Raise `NeedsPerson` if the lidar is covered or repeats its last scan; the base waits until then."""
+        self._lidar_watch.watch(robot, None)

@@ -19,7 +19,8 @@ from handcart.files.errors import FileError
 from handcart.networks.task.preparing import prepare
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.driving.orient import Orient
-from handcart.primitives.outcomes.outcome import Fail, Success
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 
 TASK = Path(__file__).parents[3] / "tasks" / "deploy_straight" / "task.yaml"
 WORLD = """\
@@ -105,6 +106,34 @@ def test_too_short_a_way_is_a_fail(unheaded: Callable[..., Any]) -> None:
         assert isinstance(failed, Fail), failed
         assert failed.reason == "it doesn't show which way the robot heads"
         assert math.hypot(*rig.backend.scene.base[:2]) < 0.3
+
+
+@pytest.mark.slow
+def test_a_lidar_that_stays_stale_while_orienting_is_named(unheaded: Callable[..., Any]) -> None:
+    """The crates beside the way return more echoes than an empty field."""
+    crate = "{{name: {0}, x_m: {1}, y_m: {2}, size_m: [3.0, 3.0, 1.0]}}"
+    crates = crate.format("left", -6, 3), crate.format("right", 6, 0)
+    with unheaded(f"surprises: [{', '.join(crates)}]\n") as rig:
+        sensor = rig.robot.lidar._sensor
+        take = sensor.scan
+        kept: list[Any] = []
+        rows: list[tuple[float, Any]] = []
+
+        def scan() -> Any:
+            if rig.robot.time < 3.0:
+                kept[:] = [take()]
+            rows.append((rig.robot.time, rig.backend.scene.base))
+            assert rig.robot.time < 30.0, "it holds without end"
+            return kept[0]
+
+        sensor.scan = scan
+        given_up = rig.do(Orient())
+        assert isinstance(given_up, GiveUp), given_up
+        assert given_up.cause is causes.SENSOR_FAULT
+        assert given_up.reason == "the lidar repeats its last scan"
+        assert rows[-1][0] < 12.0
+        at_rest = [base for time, base in rows if time > 6.0]
+        assert at_rest[0].distance(at_rest[-1]) < 0.02
 
 
 def test_a_robot_that_never_could_find_its_heading_is_refused(tmp_path: Path) -> None:
