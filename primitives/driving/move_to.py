@@ -140,7 +140,6 @@ class MoveTo(ActionPrimitive):
         yield from self._follow(robot, model, tracker)
         if robot.localization.dead_reckoned and not is_car:
             yield from self._follow_again(robot, model, goal)
-        self._ahead, self._blocked_since = np.empty((0, 2)), None
         if place.docks:
             yield from dock(robot, self.place, place, need, self.found)
         elif not is_car:
@@ -262,6 +261,7 @@ class MoveTo(ActionPrimitive):
             self._driven += robot.localization.odometry_pose.distance(last)
             last = robot.localization.odometry_pose
             self.found(path_length_m=round(self._driven, 3))
+        self._ahead, self._blocked_since = np.empty((0, 2)), None
         yield from arm
 
     def _follow_again(self, robot: Robot, model: ModelView, goal: Pose2) -> Periods:

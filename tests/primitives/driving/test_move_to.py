@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
 import pytest
 
+from handcart.primitives.driving.local_replanning import LocalReplanning
 from handcart.primitives.driving.modify import Modify
 from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.knowledge.place import Place
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 from handcart.robotics.geometry.pose2 import Pose2
@@ -107,6 +109,31 @@ def test_with_the_arm_out_the_base_does_not_drive(
     assert isinstance(outcome, Fail)
     assert "the hand stands out beyond the robot's footprint" in outcome.reason
     assert rig.robot.time < 2.0
+
+
+def test_a_wait_on_arrival_does_not_end_the_measuring_stop(
+    make_rig: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A passer-by is seen on the route's last centimetres; the base arrives, and measures for 3 s."""
+    rig = make_rig()
+    places = {"ahead": Place(x_m=1.0, y_m=2.0, heading_deg=90.0)}
+    rig.model.places = {**rig.model.places, **places}
+    stop, measured = places["ahead"].pose._replace(y=1.65), []
+
+    def measuring() -> Generator[None, None, bool]:
+        yield from rig.robot.wait(3.0)
+        measured.append(rig.robot.pose.distance(stop))
+        return True
+
+    def since(_: LocalReplanning) -> float | None:
+        return None if measured or rig.robot.pose.distance(stop) > 0.03 else rig.robot.time
+
+    monkeypatch.setattr(rig.model, "measuring", lambda *_: None if measured else measuring())
+    monkeypatch.setattr(LocalReplanning, "waits_since", property(since))
+    outcome = rig.run(MoveTo(place="ahead", wait_s=1.0))
+    assert isinstance(outcome, Success), outcome
+    assert len(measured) == 1
+    assert measured[0] < 0.03
 
 
 @pytest.mark.slow
