@@ -50,8 +50,7 @@ class FarPlanner:
         widest = max(1, int(MAX_COARSE_CELL_M / grid.resolution + 1e-9))
         factor = min(widest, math.ceil(math.sqrt(grid.occupied.size / COARSE_CELL_COUNT)))
         self._coarse = coarsened(grid, factor)
-        self._blocked: BoolArray | None = None
-        self._graph: VoronoiGraph | None = None
+        self._built: tuple[BoolArray, VoronoiGraph | None] | None = None
 
     def routing(
         self, start: Pose2, goal: Pose2, front: FloatArray | None, sensed: FloatArray
@@ -89,14 +88,15 @@ class FarPlanner:
 
     def _graph_with(self, sensed: FloatArray, start: Pose2) -> VoronoiGraph | None:
         """Return the graph of the larger cells, built again only where these have changed."""
-        grid = with_cells_at(self._coarse, sensed)
-        if self._blocked is None or not np.array_equal(grid.blocked, self._blocked):
-            self._blocked = grid.blocked
-            try:
-                self._graph = voronoi_graph(grid, self._radius + ROUTE_ROOM_M, seed_point=(start.x, start.y))
-            except ValueError:
-                self._graph = None
-        return self._graph
+        grid, built = with_cells_at(self._coarse, sensed), self._built
+        if built is not None and np.array_equal(grid.blocked, built[0]):
+            return built[1]
+        try:
+            graph = voronoi_graph(grid, self._radius + ROUTE_ROOM_M, seed_point=(start.x, start.y))
+        except ValueError:
+            graph = None
+        self._built = grid.blocked, graph  # both at once: another thread may plan while this one builds
+        return graph
 
 
 def split(route: FloatArray, window: GridMap, radius: float) -> int:

@@ -145,7 +145,10 @@ class FarReplanner:
 
 
 def _joined(look: RouteLook, rest: FloatArray) -> RouteLook:
-    """Return a look at the beginning of a route with the rest of the route, which counts as free."""
+    """Return a look at the beginning of a route with the rest of the route, which counts as free if the
+    beginning is.
+    """
     points = np.vstack([look.points, rest])
-    free = look.free + (path_length(points) - path_length(look.points) if look.obstacle is None else 0.0)
-    return look._replace(points=points, free=free)
+    is_free = look.kind != "none" and look.obstacle is None
+    added = path_length(points) - path_length(look.points) if is_free else 0.0
+    return look._replace(points=points, free=look.free + added)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ from handcart.robotics.navigation.routes import far_planning
 from handcart.robotics.navigation.routes.far_planning import FarPlanner
 from handcart.robotics.navigation.routes.far_replanning import FarReplanner
 from handcart.robotics.navigation.routes.replanning import RouteLook
+from handcart.robotics.navigation.routes.voronoi_graph import VoronoiGraph
 from handcart.robotics.numerics.stepwise import finish
 
 NOTHING = np.empty((0, 2))
@@ -82,6 +85,35 @@ def test_gap_that_larger_cells_close_is_found_on_the_map_s_own() -> None:
 
 def test_closed_wall_has_no_way() -> None:
     assert look(hall()).kind == "none"
+
+
+def test_route_that_cannot_be_reached_has_no_free_length() -> None:
+    grid = hall((16.0, 1.6))
+    route = look(grid, Pose2(4.0, 4.0, 0.0)).points
+    aside = Pose2(5.5, 4.0, 0.0)
+    assert np.hypot(*(route - aside[:2]).T).min() > 0.3
+    across = np.column_stack([np.linspace(0.0, 30.0, 600), np.full(600, 6.0)])
+    found = look(grid, aside, across, route)
+    assert found.kind == "none"
+    assert found.free == 0.0
+
+
+def test_route_planned_while_a_graph_is_built_is_on_that_map(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a real robot a thread may still build the graph when the next one plans."""
+    grid = hall((16.0, 1.6))
+    planner, build = FarPlanner(grid, Footprint(RADIUS), RADIUS, HALF), far_planning.voronoi_graph
+    meanwhile: list[np.ndarray | None] = []
+
+    def built_meanwhile(*given: Any, **settings: Any) -> VoronoiGraph:
+        monkeypatch.setattr(far_planning, "voronoi_graph", build)
+        meanwhile.append(finish(planner.routing(START, GOAL, None, NOTHING)))
+        return build(*given, **settings)
+
+    monkeypatch.setattr(far_planning, "voronoi_graph", built_meanwhile)
+    found = finish(planner.routing(START, GOAL, None, NOTHING))
+    assert found is not None
+    assert meanwhile[0] is not None
+    assert np.array_equal(meanwhile[0], found)
 
 
 def test_gap_that_was_sensed_closed_is_avoided_by_another_gap() -> None:
