@@ -21,7 +21,10 @@ class RangeSensor(Capability):
 
     @abstractmethod
     def scan(self) -> Scan:
-        """Return the lidar's scan of the current control period."""
+        """Return the lidar's scan of the current control period.
+
+        Calls return the same object until the next scan: callers detect a new one by its identity.
+        """
 
     def scan_later(self) -> Callable[[], Scan]:
         """Return a function that returns this period's scan whenever it is called.

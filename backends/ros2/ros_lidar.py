@@ -44,7 +44,7 @@ class RosLidar(TopicSensor, RangeSensor):
     def scan(self) -> Scan:
         """Return the last raw scan; raise `StaleSensor` if it is older than the robot's file allows."""
         self.check_fresh()
-        return Scan(self._angles.copy(), self._ranges.copy(), self._mount)
+        return self._scan
 
     @override
     def _wrong(self, message: Any) -> str:
@@ -67,7 +67,8 @@ class RosLidar(TopicSensor, RangeSensor):
     def _read(self, messages: list[Any]) -> None:
         scan = messages[-1]
         ranges = np.asarray(scan.ranges, dtype=np.float64)
-        self._ranges = ranges if self._sign * scan.angle_increment > 0.0 else ranges[::-1].copy()
+        ranges = ranges.copy() if self._sign * scan.angle_increment > 0.0 else ranges[::-1].copy()
+        self._scan = Scan(self._angles.copy(), ranges, self._mount)
 
 
 def _degrees(ends: tuple[float, float]) -> str:

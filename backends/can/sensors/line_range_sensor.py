@@ -42,7 +42,7 @@ class LineRangeSensor(LineSensor, RangeSensor):
         yaw = math.atan2(base_T_sensor[1, 0], base_T_sensor[0, 0])
         self._mount = Pose2(float(base_T_sensor[0, 3]), float(base_T_sensor[1, 3]), yaw)
         self._angles = spec.angles()
-        self._ranges = np.full(spec.beams, np.inf)
+        self._scan = Scan(self._angles, np.full(spec.beams, np.inf), self._mount)
 
     def scan(self) -> Scan:
         """Return the last scan that arrived; ranges beyond the lidar's reach are set to infinity.
@@ -51,10 +51,11 @@ class LineRangeSensor(LineSensor, RangeSensor):
             StaleSensor: no new scan has arrived in time.
         """
         self.check_fresh()
-        return Scan(self._angles.copy(), self._ranges.copy(), self._mount)
+        return self._scan
 
     def _sound(self, values: FloatArray) -> bool:
         return len(values) == self._spec.beams
 
     def _taken(self, lines: list[FloatArray]) -> None:
-        self._ranges = np.where(lines[-1] > self._spec.reach_m, np.inf, lines[-1])
+        ranges = np.where(lines[-1] > self._spec.reach_m, np.inf, lines[-1])
+        self._scan = Scan(self._angles.copy(), ranges, self._mount)

@@ -83,6 +83,21 @@ def test_a_scan_unlike_the_file_is_refused_with_its_reason(scan: Any, words: str
     assert words in lidar.doubt
 
 
+def test_a_scan_is_the_same_object_until_the_next_arrives() -> None:
+    """Callers detect a new scan by its identity: each is interpreted once and averaged once."""
+    time = Time()
+    lidar = lidar_of(time)
+    lidar.heard(scan_at(100.0))
+    lidar.advance()
+    first = lidar.scan()
+    time.now = 100.1
+    lidar.advance()
+    assert lidar.scan() is first
+    lidar.heard(scan_at(100.1))
+    lidar.advance()
+    assert lidar.scan() is not first
+
+
 def test_a_reading_is_one_of_now_until_it_is_stale() -> None:
     time = Time()
     lidar = lidar_of(time)

@@ -64,6 +64,11 @@ def test_a_scan(device: Device, scanner: LineRangeSensor) -> None:
     np.testing.assert_array_equal(scan.ranges, [1.0, 2.0, np.inf, np.inf])  # 7 m is beyond its reach
     np.testing.assert_allclose(scan.angles, np.radians([-180, -90, 0, 90]))
     np.testing.assert_allclose(scan.points(), [[-1.0, 0.0], [0.0, -2.0]], atol=1e-12)
+    scanner.advance()
+    assert scanner.scan() is scan  # as no other has arrived
+    device.say(ranges(20, 1.0, 2.0, np.inf, 7.0))
+    scanner.advance()
+    assert scanner.scan() is not scan
 
 
 def test_halves_of_lines_wait_for_the_rest(device: Device, scanner: LineRangeSensor) -> None:

@@ -16,7 +16,7 @@ from handcart.robotics.navigation.routes import far_planning
 from handcart.robotics.navigation.routes.far_planning import FarPlanner
 from handcart.robotics.navigation.routes.far_replanning import FarReplanner
 from handcart.robotics.navigation.routes.replanning import RouteLook
-from handcart.robotics.navigation.routes.voronoi_graph import VoronoiGraph
+from handcart.robotics.navigation.routes.voronoi_graph import VoronoiGraph, voronoi_graph
 from handcart.robotics.numerics.stepwise import finish
 
 NOTHING = np.empty((0, 2))
@@ -101,7 +101,7 @@ def test_route_that_cannot_be_reached_has_no_free_length() -> None:
 def test_route_planned_while_a_graph_is_built_is_on_that_map(monkeypatch: pytest.MonkeyPatch) -> None:
     """On a real robot a thread may still build the graph when the next one plans."""
     grid = hall((16.0, 1.6))
-    planner, build = FarPlanner(grid, Footprint(RADIUS), RADIUS, HALF), far_planning.voronoi_graph
+    planner, build = FarPlanner(grid, Footprint(RADIUS), RADIUS, HALF), voronoi_graph
     meanwhile: list[np.ndarray | None] = []
 
     def built_meanwhile(*given: Any, **settings: Any) -> VoronoiGraph:
