@@ -176,9 +176,11 @@ def _log(values: dict[str, FloatArray], header: LogHeader) -> DriveLog:
     rates, steered = _rates(values, header, wheels, steps)
     felt = [values.get(f"accelerometer_{axis}", np.full(len(times), still)) for axis, still in _STILL]
     reference = np.stack([values.get(name, nothing) for name in ("true_x", "true_y", "true_heading")], axis=1)
+    origin = None
     if _TRUE[0] in values:
-        origin = values.get("latitude", values[_TRUE[0]]), values.get("longitude", values[_TRUE[1]])
-        reference[:, :2] = plane(values[_TRUE[0]], values[_TRUE[1]], first_place(*origin))
+        about = values.get("latitude", values[_TRUE[0]]), values.get("longitude", values[_TRUE[1]])
+        origin = first_place(*about)
+        reference[:, :2] = plane(values[_TRUE[0]], values[_TRUE[1]], origin)
     turns = _wheel_turns(values, header, wheels, steps)
     start = header.start
     heading = math.nan if start.heading_deg is None else math.radians(start.heading_deg)
@@ -196,6 +198,7 @@ def _log(values: dict[str, FloatArray], header: LogHeader) -> DriveLog:
         steered,
         _ranges(values, header, nothing),
         odometry_turns=turns,
+        origin=origin,
     )
 
 
@@ -225,9 +228,12 @@ def _ranges(values: dict[str, FloatArray], header: LogHeader, nothing: FloatArra
 
 
 def _take_out_held(values: dict[str, FloatArray], header: LogHeader) -> None:
-    """Replace repeated values of columns marked `held` by NaN, in place; of a pair, only if both repeat."""
-    paired = {name for names in _PLACES for name in names}
-    for names in (*_PLACES, *((name,) for name in values if name not in paired)):
+    """Replace repeated values of columns marked `held` by NaN, in place; of a pair, only if both repeat.
+
+    A stated accuracy is kept: it counts only with a fix, and equal accuracies of new fixes are usual.
+    """
+    others = values.keys() - {name for names in _PLACES for name in names} - {"gps_sigma"}
+    for names in (*_PLACES, *((name,) for name in sorted(others))):
         held = [values[name] for name in names if name in values and header.columns[name].held]
         if held:
             again = np.all([item[1:] == item[:-1] for item in held], axis=0)

@@ -55,6 +55,8 @@ class DriveLog(NamedTuple):
     """
     notes: tuple[str, ...] = ()
     """Messages about tolerable faults of the log."""
+    origin: tuple[float, float] | None = None
+    """Latitude and longitude of the origin of a reference in degrees, in [deg]; None for others."""
 
     def thinned(self, period: float) -> DriveLog:
         """Return the log with fixes at least about `period` [s] apart: the errors of closer fixes are

@@ -17,23 +17,26 @@ from handcart.backends.can.sensors.nmea_sentence import (
 from handcart.files.errors import FileError, Finding
 from handcart.files.printable import counted
 from handcart.files.regular_file import read_regular_file
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .csv_log import MAX_BYTES, first_place, plane
 from .drive_log import DriveLog
 from .places import checked_places
 
 DAY_S = 86_400.0
+MIN_TIME_OF_DAY_S = 1.0  # a log that begins earlier counts its times from its own begin
+UNKNOWN_CLOCK = "the log's clock is not UTC; the first fix is assumed to coincide with the first row"
 
 
 def with_nmea(log: DriveLog, path: Path) -> DriveLog:
     """Return a copy of a log whose fixes are replaced by those in a file of NMEA 0183 sentences (GGA, GST).
 
-    The receiver's clock is UTC. If the log's times are seconds since 1970 or of the day, they are taken
-    as UTC too; otherwise the first fix is assumed to coincide with the first row. Damaged sentences are
-    skipped.
+    The receiver's clock is UTC. If the log's times are seconds since 1970, or of the day so that its fixes
+    fall into the log, they are taken as UTC too; otherwise the first fix is assumed to coincide with the
+    first row, and a note says so. Damaged sentences are skipped.
 
     Raises:
-        FileError: the file cannot be read, or contains no fix.
+        FileError: the file cannot be read, or contains no fix, or none in the time of the log.
     """
     positions, accuracies, others = [], {}, Counter[int]()
     for line in read_regular_file(path, MAX_BYTES).splitlines():
@@ -52,13 +55,18 @@ def with_nmea(log: DriveLog, path: Path) -> DriveLog:
         wrong = "no fix in it; needed: GGA sentences of NMEA 0183 with a place and sound checksums"
         raise FileError([Finding(str(path), 1, 1, "; ".join([wrong, *skipped]))])
     times = np.unwrap([position.utc for position in positions], period=DAY_S)
-    times = times - times[0] + _first(log, positions[0].utc)
+    first, is_utc = _first(log, times)
+    times = times - times[0] + first
+    if not ((log.times[0] <= times) & (times <= log.times[-1])).any():
+        raise FileError([Finding(str(path), 1, 1, _outside(log, times))])
+    if not is_utc:
+        skipped.insert(0, UNKNOWN_CLOCK)
     lats, lons, notes = checked_places(
         np.array([position.lat for position in positions]),
         np.array([position.lon for position in positions]),
         times,
     )
-    places = plane(lats, lons, first_place(lats, lons))
+    places = plane(lats, lons, log.origin or first_place(lats, lons))
     fixes, sigmas = np.full_like(log.fixes, math.nan), np.full_like(log.sigmas, math.nan)
     for time, place, position in zip(times, places, positions, strict=True):
         row = int(np.searchsorted(log.times, time))
@@ -77,10 +85,27 @@ def _skipped(others: Counter[int]) -> list[str]:
     ]
 
 
-def _first(log: DriveLog, utc: float) -> float:
-    """Return the time of the first fix on the log's clock, in [s]."""
-    begun = float(log.times[0])
-    of_day = begun % DAY_S
-    if begun < DAY_S and not begun <= utc <= float(log.times[-1]):
-        return begun
-    return begun - of_day + utc
+def _first(log: DriveLog, utc: FloatArray) -> tuple[float, bool]:
+    """Return the time of the first fix on the log's clock, in [s], and whether that clock is UTC.
+
+    Args:
+        log: log of the drive.
+        utc: (n,) times of the fixes on the receiver's clock, in [s], increasing, also past midnight.
+    """
+    begun, ended = float(log.times[0]), float(log.times[-1])
+    if begun < MIN_TIME_OF_DAY_S:
+        return begun, False
+    nearest = begun + (float(utc[0]) - begun + DAY_S / 2) % DAY_S - DAY_S / 2
+    for first in (nearest, nearest - DAY_S):  # a receiver may be on for half a day before the log begins
+        if first <= ended and first + utc[-1] - utc[0] >= begun:
+            return first, True
+    return (begun, False) if begun < DAY_S else (nearest, True)
+
+
+def _outside(log: DriveLog, times: FloatArray) -> str:
+    """Return the message about a file without fixes within the log."""
+    early, late = log.times[0] - times[-1], times[0] - log.times[-1]
+    lies = (
+        f"end {early:.1f} s before its first row" if early > 0.0 else f"begin {late:.1f} s after its last row"
+    )
+    return f"no fix within the log: the fixes {lies}; needed: the receiver's log of the same drive"
