@@ -30,6 +30,7 @@ from .exploring_drive import GOAL_NAME, ExploringDrive, looking_at
 from .exploring_look import ExploringLook, FrontierGoal, FrontierLook
 from .exploring_return import drive_to_start
 from .exploring_turn import turn_by
+from .map_work import MapWork
 
 ALL_AROUND_RAD = math.radians(300.0)  # of view, from where turning on the spot shows nothing new
 TURN_STEPS = 3  # of a full turn
@@ -73,6 +74,7 @@ class Explore(ActionPrimitive):
     draws_map: ClassVar = True
 
     _scans: ScanCollector | None = PrivateAttr(default=None)
+    _work: MapWork | None = PrivateAttr(default=None)
     _look: ExploringLook | None = PrivateAttr(default=None)
     _last: FrontierLook | None = PrivateAttr(default=None)
     _failed: dict[tuple[float, float], int] = PrivateAttr(default_factory=dict)
@@ -92,6 +94,7 @@ class Explore(ActionPrimitive):
         assert robot.lidar is not None
         known = model.map if model.map.occupied.any() else None
         self._scans = ScanCollector(robot, robot.lidar, known)
+        self._work = MapWork(self._scans)
         self._look = ExploringLook(robot, self._scans.map, self.radius_m)
         yield from self._look_around(robot)
         target = yield from self._next_target(robot, model)
@@ -127,12 +130,11 @@ class Explore(ActionPrimitive):
 
     @override
     def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
-        if self._scans is None or self._look is None:
+        if self._scans is None or self._work is None or self._look is None:
             return
-        self._scans.is_busy = False
-        self._scans.flush()
+        yield from self._work.drain()
         self._save(robot)
-        yield from drive_to_start(robot, model, start, self._scans, self._look)
+        yield from drive_to_start(robot, model, start, self._scans, self._work, self._look)
 
     # Driving
 
@@ -150,9 +152,8 @@ class Explore(ActionPrimitive):
 
     def _next_target(self, robot: Robot, model: ModelView) -> Generator[None, None, FrontierGoal | None]:
         """Draw the map from the base's place, and return the next frontier; None if none is left."""
-        assert self._scans is not None and self._look is not None
-        self._scans.is_busy = True
-        look = yield from robot.compute(self._look.take, self._scans.pose, None, takes=LOOK_S)
+        assert self._scans is not None and self._work is not None and self._look is not None
+        look = yield from self._work.run(robot, self._look.take, self._scans.pose, None, takes=LOOK_S)
         self._adopt(robot, look)
         return look.target
 
@@ -160,27 +161,22 @@ class Explore(ActionPrimitive):
         self, robot: Robot, model: ModelView, target: FrontierGoal
     ) -> Generator[None, None, FrontierGoal | None]:
         """Drive to a frontier, until it is gone or the base is there; return the next target."""
-        assert self._scans is not None and self._look is not None and self._last is not None
+        assert self._scans is not None and self._work is not None and self._look is not None
+        assert self._last is not None
         goal = looking_at(target.view, target.middle)
         drive = ExploringDrive(model, self._last.grid, goal, self.wait_s, GOAL_NAME)
-        periods, job = drive.periods(robot), None
+        periods = drive.periods(robot)
         looked_at, looked = self._scans.rolled, robot.time
         while not drive.is_near(robot.pose):
             self._check_distance()
-            if job is None and (
-                self._scans.rolled > looked_at + LOOK_DISTANCE_M or robot.time > looked + LOOK_PERIOD_S
-            ):
-                looked_at, looked, self._scans.is_busy = self._scans.rolled, robot.time, True
-                job = robot.compute(self._look.take, self._scans.pose, target, takes=LOOK_S)
-            if job is not None:
-                try:
-                    next(job)
-                except StopIteration as end:
-                    job, self._scans.is_busy = None, False
-                    self._scans.flush()
-                    if not self._goes_on(robot, end.value, target):
-                        self._adopt(robot, end.value)
-                        return end.value.target  # type: ignore[no-any-return]
+            is_due = self._scans.rolled > looked_at + LOOK_DISTANCE_M or robot.time > looked + LOOK_PERIOD_S
+            if is_due and not self._work.is_running:
+                looked_at, looked = self._scans.rolled, robot.time
+                self._work.begin(robot, self._look.take, self._scans.pose, target, takes=LOOK_S)
+            result = self._work.advance() if self._work.is_running else None
+            if result is not None and not self._goes_on(robot, result[0], target):
+                self._adopt(robot, result[0])
+                return result[0].target  # type: ignore[no-any-return]
             try:
                 next(periods)
             except StopIteration:
@@ -189,13 +185,7 @@ class Explore(ActionPrimitive):
                 self._note_failure(target, wrong)
                 break
             yield
-        while job is not None:
-            try:
-                next(job)
-            except StopIteration:
-                break
-            yield
-        self._scans.is_busy = False
+        yield from self._work.drain()
         return (yield from self._arrived(robot, model, target))
 
     def _arrived(
@@ -225,8 +215,6 @@ class Explore(ActionPrimitive):
     def _adopt(self, robot: Robot, look: FrontierLook) -> None:
         """Compare scans with the map as it is now."""
         assert self._scans is not None
-        self._scans.is_busy = False
-        self._scans.flush()
         self._last = look
         robot.localization.follow_map(look.field, self._scans.pose, look.covariance)
         self.found(**look.facts, driven_m=round(self._scans.rolled, 1))
@@ -264,9 +252,8 @@ class Explore(ActionPrimitive):
 
     def _finish(self, robot: Robot, model: ModelView) -> Periods:
         """Search for loop closures once more, draw the map, and drive on if that shows another frontier."""
-        assert self._scans is not None and self._look is not None
-        self._scans.is_busy = True
-        yield from robot.compute(self._scans.map.finish, takes=FINISH_S)
+        assert self._scans is not None and self._work is not None
+        yield from self._work.run(robot, self._scans.map.finish, takes=FINISH_S)
         target = yield from self._next_target(robot, model)
         while target is not None:
             target = yield from self._drive(robot, model, target)

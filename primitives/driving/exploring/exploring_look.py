@@ -103,13 +103,14 @@ class ExploringLook:
         if self._map.is_search_due:
             self._map.search()
         grid = self.draw()
-        left = np.array([point[:2] for point in self._left]).reshape(-1, 2)
-        border = find_border(grid, self._shape.inscribed, (here.x, here.y), left, LEFT_M)
+        left = list(self._left)  # in a thread: the drive may leave another one meanwhile
+        points = np.array([point[:2] for point in left]).reshape(-1, 2)
+        border = find_border(grid, self._shape.inscribed, (here.x, here.y), points, LEFT_M)
         field = LikelihoodField(grid, is_drawn=True)
         _ = field.facing
         target = self._chosen(border, current)
         covariance = self._map.covariance() + MIN_SIGMA
-        return FrontierLook(grid, field, covariance, border, target, self._facts(border))
+        return FrontierLook(grid, field, covariance, border, target, self._facts(border, left))
 
     def draw(self, resolution: float = PLANNING_CELL_M) -> GridMap:
         """Return the map drawn so far.
@@ -146,13 +147,18 @@ class ExploringLook:
     def _is_postponed(self, frontier: Frontier) -> bool:
         return any(math.dist(frontier.middle, point) < SAME_M for point in self._postponed)
 
-    def _facts(self, border: Border) -> dict[str, float | str]:
-        """Return area and border, with the share of each reason why a part of it stays unknown."""
+    def _facts(self, border: Border, left: list[tuple[float, float, str]]) -> dict[str, float | str]:
+        """Return area and border, with the share of each reason why a part of it stays unknown.
+
+        Args:
+            border: border of the known ground.
+            left: points x, y in [m], with reasons, around which `border` was left alone.
+        """
         counts = {"narrow": border.cells - border.passable, "small": border.small}
         for frontier in border.frontiers:
             reason = "unreachable" if frontier.view is None else "far" if self._is_far(frontier) else ""
             counts[reason] = counts.get(reason, 0) + len(frontier.cells)
-        for point, count in zip(self._left, border.left, strict=True):
+        for point, count in zip(left, border.left, strict=True):
             counts[point[2]] = counts.get(point[2], 0) + count
         shares = sorted(
             ((count, reason) for reason, count in counts.items() if reason and count), reverse=True

@@ -23,6 +23,7 @@ from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
 
 from .exploring_drive import START_NAME, ExploringDrive
 from .exploring_look import ExploringLook
+from .map_work import MapWork
 
 WAIT_S = 30.0  # for a passer-by on the way back
 CLOSE_M = 0.4  # of the start, from where no route is planned
@@ -35,7 +36,12 @@ MAX_LOOKS = 3  # scans at rest, each followed by a correction
 
 
 def drive_to_start(
-    robot: Robot, model: ModelView, start: Snapshot, scans: ScanCollector, look: ExploringLook
+    robot: Robot,
+    model: ModelView,
+    start: Snapshot,
+    scans: ScanCollector,
+    work: MapWork,
+    look: ExploringLook,
 ) -> Periods:
     """Bring the base back to the pose of the first keyframe, and check its pose by a scan at rest.
 
@@ -44,6 +50,7 @@ def drive_to_start(
         model: world model.
         start: snapshot of the robot at the start.
         scans: collector of scans, with the growing map.
+        work: computations on that map.
         look: choice of frontiers, which draws the map.
 
     Raises:
@@ -51,7 +58,7 @@ def drive_to_start(
             start.
     """
     first = scans.map.poses[0]
-    found = yield from robot.compute(look.take, scans.pose, None)
+    found = yield from work.run(robot, look.take, scans.pose, None)
     robot.localization.follow_map(found.field, scans.pose, found.covariance)
     if scans.pose.distance(first) > CLOSE_M:
         drive = ExploringDrive(model, found.grid, first, WAIT_S, START_NAME)
