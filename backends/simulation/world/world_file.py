@@ -113,6 +113,12 @@ class OutageSpec(FileModel):
     from_s: Seconds
     to_s: Seconds
 
+    @model_validator(mode="after")
+    def _begins_first(self) -> Self:
+        if self.to_s <= self.from_s:
+            raise ValueError("the outage ends before it begins; allowed: to_s later than from_s")
+        return self
+
 
 class SkySpec(FileModel):
     """Disturbances of a simulated satellite receiver (reflections, outliers, outages), besides its noise."""

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from handcart.backends.simulation.world.solids import FloorPlan, Solid, room_of
+from handcart.files.suggest import suggest
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 
@@ -48,6 +49,7 @@ def world_findings(
     solids = solids_of(world)
     yield from _stands_on(loaded, robot, solids)
     yield from passer_findings(loaded, robot, solids)
+    yield from _unknown_beacons(loaded, robot)
     for kind in kinds_of_props().values():
         if isinstance(world, kind.section):
             yield from kind.findings(loaded, robot)
@@ -79,6 +81,19 @@ def _stands_on(loaded: Loaded[WorldFile], robot: RobotFile, solids: list[Solid])
     elif gap < 0.0:
         where = f"{name} stands where the robot starts: {-gap:.2f} m inside its footprint"
         yield loaded.finding(("start",), f"{where}; allowed: beyond it")
+
+
+def _unknown_beacons(loaded: Loaded[WorldFile], robot: RobotFile) -> Iterator[Finding]:
+    """Yield a finding for each moved beacon that the robot does not hear; a robot without beacons hears
+    none.
+    """
+    if robot.beacons is None:
+        return
+    known = robot.beacons.places_m
+    for name in loaded.value.beacons.places_m:
+        if name not in known:
+            wrong = f"unknown beacon {name!r}{suggest(name, known)}"
+            yield loaded.finding(("beacons", "places_m", name), wrong, at_key=True)
 
 
 def _elsewhere(loaded: Loaded[WorldFile], robot: RobotFile, initial_pose: Pose2) -> Iterator[Finding]:

@@ -5,6 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from handcart.backends.description.beacons_spec import BeaconsSpec
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import check_world
 from handcart.files.errors import FileError
@@ -31,7 +33,11 @@ def room(dx: float = 0.0) -> GridMap:
 
 
 def findings(
-    folder: Path, *changes: tuple[str, str], start: Pose2 | None = HOME, grid: GridMap | None = None
+    folder: Path,
+    *changes: tuple[str, str],
+    start: Pose2 | None = HOME,
+    grid: GridMap | None = None,
+    robot: RobotFile = LIBRARIAN,
 ) -> str:
     text = WORLD
     for old, new in changes:
@@ -39,7 +45,7 @@ def findings(
         text = text.replace(old, new)
     (folder / "world.yaml").write_text(text, encoding="utf-8")
     try:
-        check_world(folder / "world.yaml", LIBRARIAN, start, room() if grid is None else grid)
+        check_world(folder / "world.yaml", robot, start, room() if grid is None else grid)
     except FileError as error:
         return str(error)
     return ""
@@ -96,3 +102,20 @@ def test_a_world_off_its_map_is_told(tmp_path: Path) -> None:
     found = findings(tmp_path, grid=room(-2.0))
     assert "world.yaml:1:1: only" in found
     assert "allowed: 50% at least" in found
+
+
+def test_a_moved_beacon_that_the_robot_does_not_hear_is_found(tmp_path: Path) -> None:
+    moved = ("furniture:", "beacons:\n  places_m: {south: [0, 1, 2], nrth: [1, 2, 3]}\nfurniture:")
+    beacons = BeaconsSpec(places_m={"north": (0.0, 0.0, 2.0), "south": (9.0, 0.0, 2.0)})
+    robot = LIBRARIAN.model_copy(update={"beacons": beacons})
+    found = findings(tmp_path, moved, robot=robot)
+    assert "world.yaml:7:32: unknown beacon 'nrth'; did you mean 'north'? allowed: north, south" in found
+    assert "'south'; " not in found
+    assert findings(tmp_path, (moved[0], moved[1].replace("nrth", "north")), robot=robot) == ""
+    assert findings(tmp_path, moved) == ""  # a robot without beacons, in the same world
+
+
+def test_an_outage_that_ends_before_it_begins_is_found(tmp_path: Path) -> None:
+    sky = ("furniture:", "sky: {outages: [{from_s: 60, to_s: 30}]}\nfurniture:")
+    assert "the outage ends before it begins; allowed: to_s later than from_s" in findings(tmp_path, sky)
+    assert findings(tmp_path, (sky[0], sky[1].replace("30", "90"))) == ""
