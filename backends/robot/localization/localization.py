@@ -242,7 +242,7 @@ class Localization(ABC):
     def found_at(self, pose: Pose2, sigma: tuple[float, float]) -> None:
         """Correct the pose by a measured map_T_base with the sigmas of x and y [m] and heading [rad]."""
         variance = np.diag([sigma[0], sigma[0], sigma[1]]) ** 2
-        self._wheels.odometry.correct(pose, variance)
+        self._wheels.take_measured(pose, variance)
 
     def forget_pose(self) -> None:
         """Discard the pose, and estimate it on a new local map of the present scan and later ones."""

@@ -23,6 +23,9 @@ def completed(state: object) -> object:
     odometry = state.get("odometry")
     if isinstance(odometry, dict) and "_bent" not in odometry:
         found["odometry"] = {**odometry, "_bent": to_plain(BentWay.straight(), BentWay)}
+    wheels = state.get("wheels")
+    if isinstance(wheels, dict) and "_map_error" in wheels and "_by_scans" not in wheels:
+        found["wheels"] = {**wheels, "_by_scans": None}
     return found
 
 

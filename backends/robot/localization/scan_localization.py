@@ -18,13 +18,14 @@ from handcart.robotics.navigation.odometry.watched_moment import Belief
 from handcart.robotics.navigation.scans.start_search import SURE_FIT
 from handcart.robotics.navigation.scans.surface_depth import depth_shifts
 from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.numerics.covariances import remove_part
 
 from .determination import NO_SHIFT
 from .held_base import HeldBase
 from .lidar import MIN_ECHOES, Lidar, beams_of
 from .localization import Localization
 from .lost import Lost, lost_by_stale_lidar
-from .pose_covariance import SCAN_REPEATABILITY, remove_part, repeatability_of
+from .pose_covariance import SCAN_REPEATABILITY, repeatability_of
 
 CLEAR_ECHOES_RATIO = 2.0  # of the fewest echoes that show a pose, which the map must exceed to expect them
 MIN_SHARE_FOUND = 0.85  # of the share explained before, from which a scan shows where a base is that was held

@@ -11,6 +11,7 @@ import numpy as np
 from typing_extensions import override
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.localization.rest_poses import RestPose, is_apart, pose_difference
 from handcart.robotics.navigation.localization.unmapped_surroundings import UnmappedSurroundings
 from handcart.robotics.navigation.odometry.holonomic_odometry import odometry_of
 from handcart.robotics.navigation.odometry.odometry import Odometry, OdometryErrors
@@ -25,6 +26,7 @@ from handcart.robotics.navigation.scans.scan_matching import (
 )
 from handcart.robotics.navigation.scans.start_search import ScanBeams, StartFit, check_start
 from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.numerics.covariances import remove_part
 
 LEAST_INLIERS = 0.4  # share of a scan's points that the map must explain for a match to be believed
 SEARCH_COVARIANCE = np.diag([0.3, 0.3, 0.17]) ** 2  # [m², rad²] of a pose that is looked for
@@ -33,15 +35,7 @@ NUDGE_COVARIANCE = np.diag([0.0125, 0.0125, 0.005]) ** 2
 SCANS_TELL = 0.3  # share of the heading's error that a scan leaves, at most, to be held against the wheels
 # share of the points explained so far; fewer, and the pose is looked for farther away
 MIN_SHARE_KEPT_AT_REST = 0.9
-MAX_REST_SPREAD = (
-    0.010,
-    0.010,
-)  # [m], [rad] by which scans of one place never differ: eight times their spread
-# squared difference of two poses at rest, by its covariance, above which the base was moved: by chance it is
-# exceeded in one of a million looks (three degrees of freedom), and a run has thousands
-MIN_DISPLACED_SQUARE = 30.7
 MAX_SIDEWAYS_RATIO = 0.2  # of the way ahead; more of it, and the length of the way ahead is not compared
-SHARE_OF_CELL = 0.2  # by which they never differ on large cells, where several places fit alike
 
 
 class Localizer(ABC):
@@ -109,6 +103,15 @@ class Localizer(ABC):
         self._odometry.reset(pose, covariance)
         self.extend_map(field)
 
+    def take_measured(self, pose: Pose2, covariance: FloatArray) -> None:
+        """Correct the pose of the resting base by another sensor than wheels and lidar, such as a camera.
+
+        Args:
+            pose: measured map_T_base.
+            covariance: (3, 3) of the measured pose, in [m, m, rad].
+        """
+        self._odometry.correct(pose, covariance)
+
     def deny_wheels(self, pose: Pose2, covariance: FloatArray) -> None:
         """Set a pose that contradicts the wheels; add its difference from the present pose to the covariance.
 
@@ -145,6 +148,7 @@ class ScanLocalizer(Localizer):
         "last_match": ScanMatch | None,
         "_poor": int,
         "_map_error": FloatArray,
+        "_by_scans": RestPose | None,
         "_rolled": RolledWay,
         "misplaced": bool,
     }
@@ -179,6 +183,7 @@ class ScanLocalizer(Localizer):
         self._patience = patience
         self._poor = 0
         self._map_error = np.zeros((3, 3))  # factor, as in `ScanMatch`
+        self._by_scans: RestPose | None = None  # with which scans are compared after `take_measured`
         self.expects_echoes: Callable[[Pose2], bool] = lambda pose: True
         self.misplaced = False
         """True if the first scan contradicts the stated start, but does not reveal the true one."""
@@ -205,13 +210,21 @@ class ScanLocalizer(Localizer):
     def change_map(self, field: LikelihoodField, pose: Pose2, covariance: FloatArray) -> None:
         super().change_map(field, pose, covariance)
         self._poor, self._map_error, self.misplaced, self.last_match = 0, np.zeros((3, 3)), False, None
+        self._by_scans = None
         self.slip.begin()
         self.way.begin()
         self._rolled = RolledWay()
 
     @override
+    def take_measured(self, pose: Pose2, covariance: FloatArray) -> None:
+        self._by_scans = self._by_scans or RestPose(self.pose, remove_part(self.covariance, self.map_error))
+        super().take_measured(pose, covariance)
+        self._map_error = np.zeros((3, 3))
+
+    @override
     def deny_wheels(self, pose: Pose2, covariance: FloatArray) -> None:
         super().deny_wheels(pose, covariance)
+        self._by_scans = None
         self.unmapped.layer.clear()
         self.slip.begin()
         self.way.begin()
@@ -250,6 +263,9 @@ class ScanLocalizer(Localizer):
         error[0] += (before.y - self.pose.y) * error[2]
         error[1] += (self.pose.x - before.x) * error[2]
         self._map_error = error
+        if self._by_scans is not None:
+            moved = self.pose.relative_to(before)
+            self._by_scans = self._by_scans._replace(pose=self._by_scans.pose.compose(moved))
 
     @property
     def lost(self) -> bool:
@@ -276,6 +292,7 @@ class ScanLocalizer(Localizer):
         self._count_way(match)
         self._poor, self._map_error = 0, match.map_error
         self._odometry.correct(match.pose, match.covariance, match.kept)
+        self._by_scans = None
         self.unmapped.take(points, here, self.pose, self.covariance)
         return True
 
@@ -289,6 +306,7 @@ class ScanLocalizer(Localizer):
         self._poor = self._poor + 1 if found is None else 0
         if found is None:
             return False
+        self._by_scans = None
         self._odometry.correct(found.pose, found.covariance, np.eye(3))
         match = self.unmapped.corrected_by_map(points, found, self._map_error)
         if match is not None:
@@ -343,12 +361,14 @@ class ScanLocalizer(Localizer):
         """
         if len(points) < FEWEST_POINTS:
             return False
+        # the map errs alike in both poses
+        before = self._by_scans or RestPose(self.pose, remove_part(self.covariance, self.map_error))
         near = np.asarray(self.covariance + NUDGE_COVARIANCE)
         match = match_scan(self._field, points, self.pose, near, self._sigma)
         if self.last_match is None or match.inliers < MIN_SHARE_KEPT_AT_REST * self.last_match.inliers:
             match = match_scan(self._field, points, self.pose, SEARCH_COVARIANCE, self._sigma, anneal=True)
-        here = self.covariance - self._map_error @ self._map_error.T  # the map errs alike in both poses
-        moved = is_apart(self.pose, match, match.spread + here, self._field, self.surface_error)
+        spread = match.spread + before.covariance
+        moved = is_apart(before.pose, match, spread, self._field, self.surface_error)
         if not moved or match.inliers < self._least_inliers:
             return False
         self.relocalize(self.pose, points)
@@ -366,35 +386,5 @@ class ScanLocalizer(Localizer):
         match = match_scan(self._field, points, near, SEARCH_COVARIANCE, self._sigma, anneal=True)
         self._odometry.reset(match.pose, match.covariance)
         self.unmapped.layer.clear()
-        self.last_match, self._poor, self._map_error = match, 0, match.map_error
+        self.last_match, self._poor, self._map_error, self._by_scans = match, 0, match.map_error, None
         return match
-
-
-def is_apart(
-    before: Pose2, after: ScanMatch, covariance: FloatArray, field: LikelihoodField, surface_error: float
-) -> bool:
-    """Return whether two poses measured by scans differ by more than their errors: the base was moved.
-
-    Args:
-        before: map_T_base of the first pose.
-        after: match that gives the second pose.
-        covariance: (3, 3) of their difference on the map if the base has not moved, in [m, m, rad].
-        field: likelihood field of the map.
-        surface_error: error of the map's surfaces, in [m].
-    """
-    most = max(MAX_REST_SPREAD[0], SHARE_OF_CELL * field.map.resolution, surface_error)
-    if before.distance(after.pose) <= most and before.turn(after.pose) <= MAX_REST_SPREAD[1]:
-        return False
-    off = pose_difference(before, after.pose)
-    return float(off @ np.linalg.solve(covariance, off)) > MIN_DISPLACED_SQUARE
-
-
-def pose_difference(before: Pose2, after: Pose2) -> FloatArray:
-    """Return the difference (3,) `after` minus `before`: x, y along the map's axes in [m] and turn in [rad].
-
-    Args:
-        before: map_T_base of the first pose.
-        after: map_T_base of the second pose.
-    """
-    x, y, turn = np.subtract(after, before).tolist()
-    return np.array([x, y, wrap(turn)])

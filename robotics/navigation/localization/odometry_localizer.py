@@ -10,6 +10,7 @@ import numpy as np
 from typing_extensions import override
 
 from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.localization.rest_poses import is_apart, pose_difference
 from handcart.robotics.navigation.odometry.odometry import OdometryErrors
 from handcart.robotics.navigation.scans.scan_matching import FEWEST_POINTS, LikelihoodField, match_scan
 from handcart.robotics.numerics.arrays import FloatArray
@@ -19,8 +20,6 @@ from .localizer import (
     MIN_SHARE_KEPT_AT_REST,
     SEARCH_COVARIANCE,
     Localizer,
-    is_apart,
-    pose_difference,
 )
 
 DRIVING_WHEEL_TRAVEL_M = 0.02  # [m] of the wheels, after which a base is driving
