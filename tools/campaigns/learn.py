@@ -37,13 +37,14 @@ def learn(
 
     Comments in the task's file are kept.
     """
-    from handcart.evaluation.campaigns.data.campaign_folder import TRIALS, CampaignFolder
+    from handcart.evaluation.campaigns.data.campaign_folder import TRIALS
     from handcart.evaluation.campaigns.learned.entry_counts import count_entries
+    from handcart.evaluation.campaigns.learned.learned import recorded_campaign
     from handcart.networks.task.task_file import load_task
     from handcart.tasks.task_names import task_path
     from handcart.tools.terminal.writing import write_text
 
-    folders = [CampaignFolder.read_runs(folder) for folder in campaigns]
+    folders = [recorded_campaign(folder) for folder in campaigns]
     file = task_path(str(task or folders[0].arguments["task"]))
     read = load_task(file)
     found = count_entries(read, (trial for folder in folders for trial in folder.trials()))

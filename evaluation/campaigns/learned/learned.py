@@ -45,14 +45,9 @@ class Learned:
 
         Raises:
             NoCampaign, TrialLogError: a folder cannot be read.
-            NothingLearned: there are too few trials, or they contain none of the task's actions.
+            NothingLearned: the trials were not run, are too few, or contain none of the task's actions.
         """
-        found = [CampaignFolder.read_runs(folder) for folder in folders]
-        for campaign_folder in found:
-            if (level := campaign_folder.arguments["level"]) != "run":
-                wrong = f"its trials are of --level {level}; allowed: those that were run"
-                wrong = f"{campaign_folder.folder}: {wrong}"
-                raise NothingLearned(printable(wrong))
+        found = [recorded_campaign(folder) for folder in folders]
         seen = SeenActions.of(
             task, chain.from_iterable(campaign_folder.trials() for campaign_folder in found)
         )
@@ -121,6 +116,24 @@ class Learned:
             "halves": [item._asdict() for item in self.trust.tried],
             "never_started": self.unknown,
         }
+
+
+def recorded_campaign(folder: Path) -> CampaignFolder:
+    """Open the folder of a campaign whose trials were run, and are therefore evidence about its task.
+
+    Raises:
+        NoCampaign: the folder holds no campaign, or one that estimates a rare outcome.
+        NothingLearned: its trials are random walks, or none has ended.
+    """
+    found = CampaignFolder.read_runs(folder)
+    if (level := found.arguments["level"]) != "run":
+        wrong = f"{folder}: its trials are of --level {level}; allowed: those that were run"
+        raise NothingLearned(printable(wrong))
+    if not (folder / TRIALS).exists():
+        raise NothingLearned(
+            printable(f"{folder}: there is no {TRIALS} in it; needed: trials that have ended")
+        )
+    return found
 
 
 def learned_trials(task: Path, settings: Mapping[str, str], folders: Sequence[Path]) -> WalkedTrials:

@@ -86,6 +86,27 @@ def test_a_folder_that_is_no_campaign_is_named(handcart: Callable[..., Said], tm
     assert "Traceback" not in said.err
 
 
+@pytest.mark.parametrize(
+    ("level", "wrong"),
+    [
+        ("network", "its trials are of --level network; allowed: those that were run"),
+        ("run", "there is no trials.jsonl in it; needed: trials that have ended"),
+    ],
+)
+def test_campaigns_that_are_no_evidence_are_refused(
+    handcart: Callable[..., Said], task: Path, level: str, wrong: str
+) -> None:
+    """Random walks only repeat the probabilities of the file."""
+    folder = task.parent / level
+    asked: dict[str, Any] = {"task": str(task), "level": level, "shard": None, "first": 0, "trials": 9}
+    with CampaignFolder.made(folder, asked).log() as log:
+        log.append([network_trials(task, {}).trial(seed) for seed in range(9)])
+    if level == "run":
+        (folder / "trials.jsonl").unlink()
+    said = handcart("learn", folder)
+    assert (said.status, wrong in said.err) == (2, True), said.err
+
+
 CAUSES = """\
 start: a
 goal: z
