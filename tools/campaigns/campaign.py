@@ -129,7 +129,7 @@ def campaign(
             _write_page(opened, found, not interrupted)
         if interrupted:
             sys.exit(130)
-        if found.untrue:
+        if found.faulty:
             sys.exit(5)
         sys.exit(0 if opened.settling is None or opened.settling.verdict else 3)
 

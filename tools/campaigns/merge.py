@@ -33,4 +33,4 @@ def merge(
             page = CampaignPage(whole, report, None)
             page.write_runs()
             print(printable(f"written: {page.write()}"), file=sys.stderr)
-        sys.exit(0 if not report.untrue else 5)
+        sys.exit(5 if report.faulty else 0)

@@ -41,9 +41,13 @@ class RareWords:
     def _untrue(self) -> list[str]:
         return [f"seed {trial.seed}: {item}" for trial in self._trials for item in trial.untrue]
 
+    @cached_property
+    def _broken(self) -> list[str]:
+        return [f"seed {trial.seed}: {trial.summary['reason']}" for trial in self._trials if trial.broken]
+
     def lines(self) -> Iterator[str]:
         """Yield lines of text that report, for people, the estimated probability of the rare outcome."""
-        found, count = self._found, len(self._trials)
+        found, count = self._found, len(self._trials) - len(self._broken)
         yield f"{self._event['outcome']}: {found.probability:.3g} of all runs, {_between(found)}"
         if found.unseen:
             most = f"at most {found.unseen:.2g} (95 %)"
@@ -55,8 +59,11 @@ class RareWords:
             f"{count} populations of {self._event['runs']} runs at each level; {found.steps} actions, as of "
             f"{found.cost:,.0f} runs from beginning to end; as accurate as {found.worth:,.0f} of those"
         )
+        if self._broken:
+            yield f"left out, because handcart itself failed: {len(self._broken)} populations"
+            yield from (f"  {text}" for text in self._broken[:10])
         if self._interrupted:
-            yield f"interrupted after {count} of {self._arguments['trials']} populations"
+            yield f"interrupted after {len(self._trials)} of {self._arguments['trials']} populations"
         yield f"outcomes that the ground truth contradicts: {len(self._untrue)}"
         yield from (f"  {text}" for text in self._untrue[:10])
         counted = {"fails": "Fails", "attempts": "attempts of one action"}[self._event["importance"]]
@@ -88,6 +95,7 @@ class RareWords:
             "worth_runs": found.worth,
             "levels": [{**level._asdict(), "adds": level.part} for level in found.levels],
             "untrue": self._untrue,
+            "broken": self._broken,
             "runs_kept": [name for trial in self._trials for name in _kept(trial)],
         }
 

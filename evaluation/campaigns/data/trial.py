@@ -61,6 +61,16 @@ class Trial:
         return self.status == 0
 
     @property
+    def broken(self) -> bool:
+        """True if handcart itself failed in the trial, or its process died."""
+        return bool(self.summary["outcome"] == "Error")
+
+    @property
+    def measured(self) -> bool:
+        """True if the trial has times and metrics; False if its process died."""
+        return not (self.broken and not self.run_name)
+
+    @property
     def run_name(self) -> str:
         """Name of the run's folder; empty if the trial has no folder."""
         return PurePath(str(self.summary.get("run_dir") or "")).name

@@ -69,10 +69,14 @@ class RareEstimate:
 
     @classmethod
     def of(cls, trials: Iterable[Trial]) -> RareEstimate:
-        """Estimate the probability of a rare outcome from a campaign's trials; without any trial it is 0."""
+        """Estimate the probability of a rare outcome from a campaign's trials; without any trial it is 0.
+
+        Trials whose process died have no population, and are left out.
+        """
         populations = [
             Population(tuple(Level(*level) for level in trial.summary["metrics"]["levels"]))
             for trial in trials
+            if "levels" in trial.summary["metrics"]
         ]
         found = np.array([population.probability for population in populations] or [0.0])
         count, mean = len(found), float(found.mean())

@@ -72,6 +72,11 @@ class CampaignReport:
         return [self.trials[at] for at in self.tally.untrue]
 
     @property
+    def faulty(self) -> bool:
+        """True if the ground truth contradicts an outcome, or handcart itself failed in a trial."""
+        return bool(self.tally.untrue or self.tally.broken)
+
+    @property
     def shares(self) -> list[ActionShare]:
         """Return the outcome counts of each action, in the order of first occurrence."""
         return [

@@ -52,7 +52,12 @@ def outcome_in_general(summary: Mapping[str, Any]) -> str:
 
 
 def figures(trial: Trial) -> dict[str, float | bool]:
-    """Return those metrics of a trial that are finite numbers or booleans, by name."""
+    """Return those metrics of a trial that are finite numbers or booleans, by name.
+
+    A trial whose process died has none.
+    """
+    if not trial.measured:
+        return {}
     found = {**trial.summary["metrics"], **{key: trial.summary[key] for key in OF_ALL}}
     return {
         name: value
@@ -65,7 +70,7 @@ class Tally:
     """Counts and metrics of a campaign's trials, collected in one pass (a few MB for 100,000 trials)."""
 
     def __init__(self, trials: Iterable[Trial]) -> None:
-        self.count = self.successes = 0
+        self.count = self.successes = self.broken = 0
         self.outcomes: Counter[str] = Counter()
         """Counts of outcomes, with the general reason unless Success."""
         self.untrue: list[int] = []
@@ -97,6 +102,7 @@ class Tally:
         summary = trial.summary
         self.count += 1
         self.successes += trial.success
+        self.broken += trial.broken
         self.outcomes[outcome_in_general(summary)] += 1
         if trial.untrue:
             self.untrue.append(at)

@@ -103,7 +103,8 @@ def _columns(trials: Iterable[Trial]) -> list[Column]:
 
 
 def _of_summary(name: str) -> Callable[[Trial], Any]:
-    return lambda trial: trial.summary.get(name)
+    is_text = SUMMARY_COLUMNS[name] == "text"
+    return lambda trial: trial.summary.get(name) if is_text or trial.measured else None
 
 
 def _of_metrics(name: str, kind: str) -> Callable[[Trial], Any]:

@@ -49,12 +49,15 @@ class Trials:
         self.reason, self.signals = reason, signals
         self.seeds: list[int] = []
         self.untrue: dict[int, list[str]] = {}
+        self.broken: set[int] = set()
 
     def __call__(self, setting: CampaignSetting, seed: int) -> Trial:
         self.seeds.append(seed)
         summary = {"outcome": "Success", "reason": "", "run_dir": "none", "seed": seed}
         summary["metrics"] = {"untrue": self.untrue.get(seed, [])}
         summary |= {"sim_time_s": 1.0, "wall_time_s": 1.0, "actions": 1, "fails": 0}
+        if seed in self.broken:
+            return Trial(seed, 5, summary | {"outcome": "Error", "reason": "TypeError: ours"})
         if seed != 2:
             return Trial(seed, 0, summary)
         for item in self.signals:
@@ -122,6 +125,19 @@ def test_outcomes_that_are_not_so_are_a_fault(
     else:
         assert "the ground truth contradicts: 1 of 5 trials" in said.out
         assert "\nseed 4: 4. RELEASE Success: it stands beside its place\n" in said.out
+
+
+def test_a_fault_of_handcart_itself_ends_a_campaign_with_5(
+    trials: Callable[..., Trials], handcart: Callable[..., Said], tmp_path: Path, tour: Path
+) -> None:
+    """So does `merge`, of the parts of such a campaign."""
+    trials("stopped by request").broken = {13}
+    parts = [tmp_path / name for name in ("first", "second")]
+    for number, part in enumerate(parts, 1):
+        words = ("--first", "10", "--trials", "6", "--jobs", "1", "--shard", f"{number}/2", "--out", part)
+        said = handcart("campaign", tour, *words)
+        assert (said.status, "1 x Error: TypeError: ours" in said.out) == (5 * (number == 2), number == 2)
+    assert handcart("campaign", "merge", *parts).status == 5
 
 
 def test_a_signal_after_a_trials_last_action_ends_the_campaign_too(

@@ -9,6 +9,8 @@ import orjson
 import pytest
 
 from benchmarks.campaigns.tosses import rare_walk
+from handcart.evaluation.campaigns.data.campaign_folder import CampaignFolder
+from handcart.evaluation.campaigns.data.trial import died
 from tests.tools.conftest import Said
 
 ALWAYS = ("--level", "network", "--rare", "GiveUp", "--trials", 30)
@@ -43,6 +45,26 @@ def test_parts_and_processes_tell_the_same(handcart: Callable[..., Said], tmp_pa
     assert (merged.out, merged.status) == (whole.out, 0)
     other = handcart(*words, "--out", tmp_path / "whole", "--population", 50)
     assert (other.status, "rare runs: 100 there, 50 now" in other.err) == (2, True)
+
+
+def test_populations_whose_process_died_are_left_out_and_named(
+    handcart: Callable[..., Said], tmp_path: Path
+) -> None:
+    words = ("campaign", rare_walk(tmp_path), *ALWAYS[:-1], 6, "--out", tmp_path / "part", "--shard", "1/1")
+    whole = orjson.loads(handcart(*words, "--json").out)
+    kept = CampaignFolder.read(tmp_path / "part")
+    arguments = {key: value for key, value in kept.arguments.items() if key != "format"}
+    trials = list(kept.trials())
+    with CampaignFolder.made(tmp_path / "dead", arguments).log() as log:
+        log.append([*trials[:5], died(5, "its process died 5 times")])
+    said = handcart("campaign", "merge", tmp_path / "dead")
+    assert said.status == 5, said.err
+    assert "left out, because handcart itself failed: 1 populations" in said.out
+    assert "  seed 5: its process died 5 times" in said.out
+    assert "5 populations of 100 runs at each level" in said.out
+    facts = orjson.loads(handcart("campaign", "merge", tmp_path / "dead", "--json").out)
+    assert (facts["trials"], facts["broken"]) == (6, ["seed 5: its process died 5 times"])
+    assert 0 < facts["levels"][0]["runs"] == whole["levels"][0]["runs"] * 5 / 6
 
 
 @pytest.mark.parametrize(

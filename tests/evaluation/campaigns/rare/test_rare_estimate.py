@@ -10,7 +10,7 @@ import pytest
 from scipy.stats import binom
 
 from benchmarks.campaigns.tosses import rare_walk
-from handcart.evaluation.campaigns.data.trial import Trial
+from handcart.evaluation.campaigns.data.trial import Trial, died
 from handcart.evaluation.campaigns.data.walked_trials import network_trials
 from handcart.evaluation.campaigns.rare.rare_estimate import RareEstimate, interval
 from handcart.evaluation.campaigns.rare.rare_event import NoRareEvent, RareEvent
@@ -43,6 +43,12 @@ def test_none_and_one_bound_nothing() -> None:
     assert not nothing.agrees(0.11)
     assert RareEstimate.of([trial((10, 0, 1, 10))]).low is None
     assert RareEstimate.of([]).probability == 0.0
+
+
+def test_a_population_whose_process_died_is_left_out() -> None:
+    trials = [trial((10, 0, 1, 10)), trial((10, 0, 3, 10))]
+    kept, both = RareEstimate.of(trials), RareEstimate.of([*trials, died(7, "its process died 5 times")])
+    assert both == kept
 
 
 def test_the_interval_is_of_the_logarithm() -> None:

@@ -9,7 +9,7 @@ from xml.etree.ElementTree import parse
 
 import pytest
 
-from handcart.evaluation.campaigns.data.trial import ActionEnd, Trial
+from handcart.evaluation.campaigns.data.trial import ActionEnd, Trial, died
 from handcart.evaluation.campaigns.statistics.campaign_report import CampaignReport
 from handcart.evaluation.campaigns.statistics.claim import Settling
 from handcart.evaluation.campaigns.statistics.comparison import compare
@@ -67,6 +67,27 @@ def test_metrics_are_numbers_that_are_finite_and_yes_or_no() -> None:
         "fails": [0.0, 2.0, 0.0, 0.0, 0.0, 1.0],
     }
     assert tally.yes_no == {"fits"}
+
+
+def test_a_trial_whose_process_died_has_no_figures() -> None:
+    """It counts as a trial, but not as one of 0 s without any action."""
+    dead = died(6, "its process died 5 times, at last by signal 9")
+    alone, both = CampaignReport(TRIALS), CampaignReport([*TRIALS, dead])
+    assert both.spreads() == alone.spreads()
+    assert (len(both.trials), both.successes) == (7, 3)
+    assert both.outcomes["Error: its process died # times, at last by signal #"] == 1
+    found = compare(TRIALS, [*TRIALS[:5], died(5, "its process died 5 times")])
+    assert (found.pairs, [change.name for change in found.changes]) == (6, ["success"])
+    broken = trial(6, 41.0, 5, "TypeError: ours")
+    broken = Trial(6, 5, {**broken.summary, "run_dir": "runs/6"}, broken.actions)
+    assert CampaignReport([*TRIALS, broken]).spreads()["sim_time_s"].count == 7
+
+
+def test_handcart_s_own_faults_make_a_campaign_faulty() -> None:
+    assert not CampaignReport([trial(0), trial(1, status=3, reason="8 mm off")]).faulty
+    assert CampaignReport([trial(0), trial(1, untrue=["MOVE_TO: 60 mm off"])]).faulty
+    assert CampaignReport([trial(0), trial(1, status=5, reason="TypeError: ours")]).faulty
+    assert CampaignReport([trial(0), died(1, "its process died 5 times")]).faulty
 
 
 def test_the_median_run_is_of_those_that_succeeded() -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from handcart.evaluation.campaigns.data.trial import ActionEnd, Trial
+from handcart.evaluation.campaigns.data.trial import ActionEnd, Trial, died
 from handcart.evaluation.viewing.export.campaign_parquet import write_parquet
 
 
@@ -47,6 +47,14 @@ def test_each_trial_is_a_row_with_all_that_is_known_of_it(tmp_path: Path) -> Non
     assert [len(row["action_ends"]) for row in rows] == [0, 1, 2]
     assert rows[2]["action_ends"][1] == trials[2].actions[1]._asdict()
     assert [row["injected"] for row in rows] == [[], [], faults]
+
+
+def test_a_trial_whose_process_died_has_no_numbers(tmp_path: Path) -> None:
+    write_parquet([trial(3, {}), died(4, "its process died 5 times")], tmp_path / "trials.parquet")
+    alive, dead = read(tmp_path / "trials.parquet")
+    assert (alive["sim_time_s"], alive["actions"], alive["fails"]) == (2.0, 3, 3)
+    assert (dead["sim_time_s"], dead["actions"], dead["fails"]) == (None, None, None)
+    assert (dead["seed"], dead["outcome"], dead["reason"]) == (4, "Error", "its process died 5 times")
 
 
 def test_a_metric_of_several_kinds_is_json(tmp_path: Path) -> None:
