@@ -251,8 +251,8 @@ class Localization(ABC):
         self.local_map, self.lifted = LocalMap(), None
         self.local_map.add(self.pose, beams_of(self._range_sensor))
         self._wheels.change_map(self.local_map.field, self.pose, SCAN_REPEATABILITY)
-        self._wheels.surface_error = DRAWN_SURFACE_M
-        self.still = 0
+        self._wheels.surface_error, self.still = DRAWN_SURFACE_M, 0
+        self.held_base.reset()
         self.set_origin()
 
     def locate(self, pose: Pose2, covariance: FloatArray) -> None:
@@ -260,8 +260,8 @@ class Localization(ABC):
         assert self.map_field is not None
         self.local_map = self.lifted = None
         self._wheels.change_map(self.map_field, pose, covariance)
-        self._wheels.surface_error = 0.0
-        self.still = 0
+        self._wheels.surface_error, self.still = 0.0, 0
+        self.held_base.reset()
         self.set_origin()
 
     def follow_map(self, field: LikelihoodField, pose: Pose2, covariance: FloatArray) -> None:

@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.plain_values import Kinds, attributes
+from handcart.backends.plain_values import Kinds, attributes, set_attributes
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.localization.localizer import LEAST_INLIERS, ScanLocalizer
 from handcart.robotics.navigation.maps.expected_echoes import expected_echoes
@@ -148,6 +148,9 @@ class ScanLocalization(Localization):
         if isinstance(state, dict) and "keyframes" not in state:  # older checkpoints have none
             state = {**state, "keyframes": attributes(layer, layer.STATE)}
         super().set_state(state)
+        assert isinstance(state, dict)
+        layer = self._matching.unmapped.layer  # setting the map began another one
+        set_attributes(layer, layer.STATE, state["keyframes"])
 
 
 def _turned(heading: float) -> FloatArray:

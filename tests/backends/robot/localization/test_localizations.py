@@ -330,34 +330,3 @@ def test_base_that_is_pushed_at_rest_is_found_again(localizer: str) -> None:
         found.update(STANDS)
     assert found.displacements == 1
     assert found.pose == pytest.approx(lidar.pose, abs=0.02)
-
-
-@pytest.mark.parametrize("sigma", [(0.0003, 0.0004), (0.004, 0.002)])
-@pytest.mark.parametrize("off_m", [0.0, 0.02])
-def test_push_after_a_measured_pose_is_found(sigma: tuple[float, float], off_m: float) -> None:
-    """Also where the scans' pose is off by the map's error, which is no push."""
-    lidar = Room()
-    found = made("cart", "scan", Wheels(), lidar, grid=room())
-    for _ in range(40):
-        found.update(STANDS)
-    measured = Pose2(START.x + off_m, START.y, START.theta)
-    found.found_at(measured, sigma)
-    assert found.sigma[0] == pytest.approx(math.hypot(sigma[0], 0.004))
-    found.set_state(found.state())
-    for _ in range(60):
-        found.update(STANDS)
-    assert found.displacements == 0
-    assert found.pose == measured
-    lidar.pose = START.compose(Pose2(0.05, 0.0, 0.0))
-    for _ in range(30):
-        found.update(STANDS)
-    assert found.displacements == 1
-    assert found.pose == pytest.approx(lidar.pose, abs=0.02)
-
-
-def test_state_from_before_measured_poses_were_kept_is_read() -> None:
-    found = made("cart", "scan", Wheels(), Room(), grid=room())
-    state = found.state()
-    del state["wheels"]["_by_scans"]
-    found.set_state(state)
-    assert found.pose == pytest.approx(START, abs=0.02)
