@@ -41,6 +41,22 @@ class CheckOptions(NamedTuple):
     backend: str | None = None
     """Name of a simulated backend to build with a robot."""
 
+    def given(self, settings: Iterable[str]) -> list[str]:
+        """Return the options that concern one kind of file and were given, such as `--picture`.
+
+        Args:
+            settings: names of the settings; `policy` is one of its own option.
+        """
+        by_name = {
+            "--set": any(name != "policy" for name in settings),
+            "--policy": "policy" in settings,
+            "--picture": self.picture is not None,
+            "--allow": self.allow,
+            "--backend": self.backend is not None,
+            "--draft": self.draft is not None,
+        }
+        return [name for name, is_given in by_name.items() if is_given]
+
 
 def check(
     file: Annotated[
@@ -84,6 +100,7 @@ def check(
     from handcart.files.errors import FileError, InputError
     from handcart.files.models.settings import split_setting
     from handcart.tools.checks.check_air import air_facts
+    from handcart.tools.checks.option_kinds import refuse_with_topics
     from handcart.tools.terminal.first_use import announced
 
     try:
@@ -93,6 +110,8 @@ def check(
         given |= {"policy": policy} if policy else {}
         with announced(f"checking {shown_path(file)}"):
             options = CheckOptions(picture, every, allow, draft, backend=backend)
+            if ros2:
+                refuse_with_topics(options.given(given))
             facts = air_facts(str(file), bench, seconds, bag) if ros2 else file_facts(file, given, options)
     except InputError as error:
         if not as_json:
@@ -203,23 +222,31 @@ def file_facts(file: Path, settings: dict[str, str], asked: CheckOptions = Check
     from handcart.networks.task.task_model import MAX_TASK_BYTES, MAX_TASK_NODES
     from handcart.primitives.knowledge.place import is_goals
     from handcart.tools.checks.file_kinds import is_urdf, kinds, model_of
+    from handcart.tools.checks.option_kinds import refuse_other_options
 
     file = _named_file(file)
+    given = asked.given(settings)
     if is_urdf(file):
+        refuse_other_options(given, "a URDF", shown_path(file))
         from handcart.tools.checks.check_urdf import urdf_facts
 
         return urdf_facts(file, asked.every, asked.draft)
     if file.suffix == MOVINGAI_SUFFIX:
+        refuse_other_options(given, "a map", shown_path(file))
         return _map_facts(file)
     document = read_document(file, max_bytes=MAX_TASK_BYTES, max_nodes=MAX_TASK_NODES)
     if is_map(document):
+        refuse_other_options(given, "a map", shown_path(file))
         return _map_facts(file)
     if is_goals(document):
+        refuse_other_options(given, "a file of goals", shown_path(file))
         return _goals_facts(file)
     data = document.data if isinstance(document.data, dict) else {}
     kind = str(data.get("format", "")).removeprefix("handcart-").split("/")[0]
     if kind not in kinds():
         raise _unknown_kind(document)
+    words = "a robot's file" if kind == "robot" else f"a {kind}"
+    refuse_other_options(given, words, shown_path(file))
     if kind == "task":
         if not asked.quick:
             _import_domain_checks(data.get("knowledge"))
@@ -227,13 +254,7 @@ def file_facts(file: Path, settings: dict[str, str], asked: CheckOptions = Check
     if kind == "table":
         return _table_facts(file)
     if kind == "robot":
-        from handcart.tools.checks.check_robot import robot_facts
-
-        if asked.allow:
-            from handcart.tools.checks.allowing import allow_contacts
-
-            allow_contacts(file)
-        return robot_facts(file, asked.picture, asked.quick, asked.every, asked.backend)
+        return _robot_facts(file, asked)
     if kind == "world":
         from handcart.backends.simulation.world_files.load_world import load_world
 
@@ -241,6 +262,16 @@ def file_facts(file: Path, settings: dict[str, str], asked: CheckOptions = Check
     else:
         load(file, model_of(kind))
     return {"format": data["format"]}
+
+
+def _robot_facts(file: Path, asked: CheckOptions) -> dict[str, Any]:
+    from handcart.tools.checks.check_robot import robot_facts
+
+    if asked.allow:
+        from handcart.tools.checks.allowing import allow_contacts
+
+        allow_contacts(file)
+    return robot_facts(file, asked.picture, asked.quick, asked.every, asked.backend)
 
 
 def _unknown_kind(document: Document) -> FileError:

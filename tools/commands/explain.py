@@ -49,6 +49,8 @@ def explain(
     from handcart.networks.past_runs.past_run import read_run
     from handcart.networks.run_files.run_names import latest_run
 
+    if at is not None and frames is None:
+        raise typer.BadParameter("--at without --frames; needed: the log whose time it is")
     past = read_run(run or latest_run(Path("runs")))
     if past.torn_at is not None:
         _warn(f"the journal's tail is torn at byte {past.torn_at}: later records are unknown")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TextIO
@@ -64,9 +64,13 @@ def bench(
     ] = None,
 ) -> None:
     """Simulate a robot's CAN drives, or its ROS 2 drivers, in real time, until Ctrl-C."""
+    drives_alone = {"--interface": interface, "--channel": channel, "--range-port": range_port, "--log": log}
     if ros2:
         from .ros_bench import RosBenchOptions, list_topic_faults, serve_topics
 
+        _refuse(drives_alone, "with --ros2; allowed: without --ros2, for CAN drives")
+        if task is not None:
+            _refuse({"--world": world}, "with --task; allowed: one of them, as the task names its world")
         if list_faults:
             list_topic_faults()
             return
@@ -86,9 +90,17 @@ def bench(
     if list_faults:
         _list_faults()
         return
-    if task is not None:
-        raise typer.BadParameter("--task goes with --ros2 only")
+    _refuse({"--task": task, "--wrong": wrong or None}, "without --ros2; allowed: with --ros2")
+    if backend is None:
+        _refuse({"--world": world}, "without --backend; needed: the simulated robot in that world")
     _serve_drives(robot, interface, channel, (backend, world, seed), faults or [], range_port, log, seconds)
+
+
+def _refuse(options: Mapping[str, object], why: str) -> None:
+    """Raise `typer.BadParameter` if one of the options is given, which would have no effect."""
+    given = [name for name, value in options.items() if value is not None]
+    if given:
+        raise typer.BadParameter(f"{', '.join(given)} {why}")
 
 
 def _serve_drives(

@@ -104,3 +104,9 @@ def test_another_recorders_log_is_told_in_the_runs_names(
     wrong = handcart("explain", folder, "--frames", folder / "journal.jsonl")
     assert wrong.status == 2
     assert "journal.jsonl is not a log of CAN frames: its suffix is '.jsonl'; allowed: .asc" in wrong.err
+
+
+def test_a_time_without_the_log_that_it_is_in_is_refused(handcart: Callable[..., Said]) -> None:
+    said = handcart("explain", "no_run", "--at", "3.0")
+    assert said.status == 2
+    assert "--at without --frames; needed: the log whose time it is" in " ".join(said.err.split())

@@ -114,3 +114,23 @@ def test_a_refused_bench_leaves_a_log_as_it_is(handcart: Callable[..., Said], tm
     for words in (("--channel", "10.0.0.1"), ("--channel", CHANNEL, "--range-port", "7000")):
         assert handcart("bench", "cart", *words, "--log", str(log)).status == 2
         assert log.read_text(encoding="utf-8") == "of another bench"
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--ros2", "--log", "log.csv"), "--log with --ros2; allowed: without --ros2, for CAN drives"),
+        (("--ros2", "--channel", "can0", "--range-port", "2000"), "--channel, --range-port with --ros2"),
+        (("--ros2", "--interface", "virtual"), "--interface with --ros2"),
+        (("--ros2", "--task", "drive_map", "--world", "w.yaml"), "--world with --task"),
+        (("--wrong", "wheel_radius=1.1"), "--wrong without --ros2; allowed: with --ros2"),
+        (("--task", "drive_map"), "--task without --ros2"),
+        (("--world", "w.yaml"), "--world without --backend"),
+    ],
+)
+def test_options_of_the_other_kind_of_bench_are_refused(
+    handcart: Callable[..., Said], words: tuple[str, ...], message: str
+) -> None:
+    said = handcart("bench", "cart", *words, "--seconds", "0.1")
+    assert (said.status, said.out) == (2, "")
+    assert message in " ".join(said.err.split())
