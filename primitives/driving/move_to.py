@@ -55,7 +55,7 @@ from .lidar_watch import LidarWatch
 from .local_replanning import LocalReplanning
 from .looks_at_rest import LooksAtRest
 from .place_measuring import measure_place
-from .way_back import drive_back, way_back_blocked
+from .way_back import brake, drive_back, way_back_blocked
 
 ARRIVAL_TOLERANCE = PoseTolerance(position=0.02, heading=0.01)
 STUCK_TIMEOUT_S = 6.0  # without getting on, though nothing is seen in the way
@@ -377,11 +377,12 @@ class MoveTo(ActionPrimitive):
         if self._local is not None:
             self._local.keep()
         behind = np.array([[moment.pose.x, moment.pose.y] for moment in trace.moments])[::-1]
-        way_back = retrace(robot, start, trace, model.speed_limits)
+        way_back, waits = retrace(robot, start, trace, model.speed_limits), False
         while True:
             nearest = int(np.argmin(np.hypot(*(behind - (robot.pose.x, robot.pose.y)).T)))
             self._ahead = behind[nearest:]
-            waited = self._blocked_since is not None and robot.time >= self._blocked_since + self.wait_s
+            rolls, since = any(robot.command), self._blocked_since
+            waited = not rolls and since is not None and robot.time >= since + self.wait_s
             if waited and self._local is not None and not self.together:
                 self._ahead = np.empty((0, 2))
                 yield from drive_back(self._local, robot, start.pose, self.wait_s)
@@ -389,7 +390,10 @@ class MoveTo(ActionPrimitive):
                 return
             if waited and self._local is not None:
                 raise Discrepancy("an obstacle is on the way back", cause=causes.BLOCKED)
-            if self._blocked_since is None and next(way_back, self) is self:
+            waits = since is not None or (waits and rolls)
+            if waits:
+                brake(robot)
+            elif next(way_back, self) is self:
                 self._ahead = np.empty((0, 2))
                 return
             yield

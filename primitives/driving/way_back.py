@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator
 
 import numpy as np
 
+from handcart.backends.capabilities.base import DriveCommand
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
@@ -33,6 +35,21 @@ def way_back_blocked(local: LocalReplanning, robot: Robot, ahead: FloatArray) ->
     near = np.cumsum(np.hypot(*np.diff(ahead, axis=0, prepend=ahead[:1]).T)) < HOLD_DISTANCE_M
     least = robot.spec.footprint_shape.inscribed - OVERLAP_M
     return local.free_length(ahead[near], least) is not None
+
+
+def brake(robot: Robot) -> None:
+    """Command the base to slow down within its limits until it is at rest; called once a period.
+
+    A car stays on its arc.
+    """
+    last, limits = robot.command, robot.drive_limits
+    along = max(0.0, abs(last.along) - limits.acceleration * robot.period)
+    if robot.spec.drive.kind == "ackermann":
+        turn_rate = last.turn_rate * along / abs(last.along) if last.along else 0.0
+    else:
+        rest = max(0.0, abs(last.turn_rate) - limits.turn_acceleration * robot.period)
+        turn_rate = math.copysign(rest, last.turn_rate)
+    robot.base.drive(*DriveCommand.towards(last.direction, math.copysign(along, last.along), turn_rate))
 
 
 def drive_back(

@@ -15,6 +15,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.car_tracker import CarTracker
 
 from .arm_command import command_moment, moves_fingers, renew_arm
+from .pauses import Pauses
 from .snapshot import Snapshot
 from .trace import Moment, Trace
 
@@ -101,8 +102,10 @@ def _drive_back(robot: Robot, stretch: Sequence[Moment], forwards: bool) -> Gene
         if _reckoned(now).distance(poses[-1]) >= CAR_POINT_SPACING_M:
             poses.append(_reckoned(now))
     sharpest = robot.spec.drive.sharpest_per_m
-    tracker = CarTracker([(np.array(poses), forwards)], sharpest, robot.drive_limits)
+    tracker, pauses = CarTracker([(np.array(poses), forwards)], sharpest, robot.drive_limits), Pauses(robot)
     while not tracker.finished(robot.localization.odometry_pose):
+        if pauses.has_ended():
+            tracker.stopped()
         robot.base.drive(*tracker.command(robot.localization.odometry_pose, robot.period))
         if left and along[-len(left)] <= tracker.progress and not moves_fingers(robot, left[-1]):
             renew_arm(robot, left.pop())

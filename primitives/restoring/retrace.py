@@ -23,6 +23,7 @@ from .arm_command import moves_fingers
 from .arm_command import renew_arm as _renew_arm
 from .car_retrace import car_retrace, check_stands
 from .car_shunting import bring_back
+from .pauses import Pauses
 from .snapshot import Snapshot
 from .trace import Moment, Trace
 
@@ -94,8 +95,10 @@ def reach_pose(
     if robot.pose.distance(goal) < 0.5 * tolerance.position and robot.pose.turn(goal) < tolerance.heading:
         return
     regulator = make_regulator(goal, robot.drive_limits, tolerance)
-    begun, end = robot.time, robot.time + LONGEST_REACH
+    begun, end, pauses = robot.time, robot.time + LONGEST_REACH, Pauses(robot)
     while not regulator.finished(robot.pose):
+        if pauses.has_ended():
+            regulator.stopped()
         regulator.tolerance = _widened(robot, tolerance, robot.time - begun)
         if robot.time > end:
             off = robot.pose.distance(goal)
@@ -161,7 +164,10 @@ def _drive_back(
     else:
         limits = robot.drive_limits
         tracker = make_tracker(points, goal.theta, limits, _forwards(stretch), STRETCH_TOLERANCE, allowed)
+        pauses = Pauses(robot)
         while not tracker.finished(robot.pose):
+            if pauses.has_ended():
+                tracker.stopped()
             robot.base.drive(*tracker.command(robot.pose, robot.period))
             if left and way[len(left) - 1] <= tracker.progress and not moves_fingers(robot, left[-1]):
                 _renew_arm(robot, left.pop())

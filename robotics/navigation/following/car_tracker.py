@@ -119,6 +119,10 @@ class CarTracker:
         self._bend = bend
         return self._drive(leg)
 
+    def stopped(self) -> None:
+        """Set the last speed to zero, because another controller has stopped the car in the meantime."""
+        self._speed = 0.0
+
     def hold(self, pose: Pose2, dt: float) -> tuple[float, float]:
         """Return the speed in [m/s] and turn rate in [rad/s] to command so that the car comes to rest and
         stays at rest.

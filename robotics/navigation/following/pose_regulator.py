@@ -77,6 +77,10 @@ class PoseRegulator:
             self._ramp.at_rest and self._aligned(pose) and pose.distance(self.goal) <= self.tolerance.position
         )
 
+    def stopped(self) -> None:
+        """Set the last command to zero, because another controller has stopped the base in the meantime."""
+        self._ramp.reset()
+
     def _aligned(self, pose: Pose2) -> bool:
         return self._any_heading or pose.turn(self.goal) <= self.tolerance.heading
 

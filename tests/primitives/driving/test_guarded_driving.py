@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -143,3 +144,28 @@ def test_unmapped_cupboard_at_a_wall_is_not_taken_for_the_wall(
     assert "the base doesn't get on to beside: the scan shows something at (" in failed.reason
     assert rig.scene.contacts == []
     assert len(rig.model.obstacles)
+
+
+def test_waits_on_the_way_back_keep_the_limits_of_the_drive(
+    make_rig: Callable[..., Rig],
+) -> None:
+    """A box is in the way for 4 s while the base drives back at full speed; nothing else slows the base."""
+    rig = make_rig(BOX.format(x=1.0, y=1.3, height=0.6, more=", appears_s: 7.5, leaves_s: 12"))
+    rig.model.places = {**rig.model.places, "ahead": Place(x_m=1.0, y_m=4.5, heading_deg=90.0)}
+    move, step, rows = MoveTo(place="ahead", wait_s=9.0, detour=False), rig.robot.step, [(0.0, 0.0, 0.0)]
+
+    def watched_step(paused: bool = False) -> None:
+        step(paused)
+        if move._restores:
+            rows.append((rig.robot.time, rig.robot.command.along, rig.robot.command.turn_rate))
+
+    rig.robot.step = watched_step  # type: ignore[method-assign]
+    assert isinstance(rig.run(move, cancel=lambda: rig.robot.time > 6.5), Fail)
+    speeds = [speed for time, speed, _ in rows if 10.0 < time < 12.0]
+    assert min(speed for time, speed, _ in rows if 7.0 < time < 9.0) < -0.3
+    assert speeds
+    assert not any(speeds)
+    limits, period = rig.robot.drive_limits, rig.robot.period
+    for (_, speed, turn_rate), (_, faster, sharper) in pairwise(rows):
+        assert abs(faster - speed) < limits.acceleration * period + 1e-6
+        assert abs(sharper - turn_rate) < limits.turn_acceleration * period + 1e-6
