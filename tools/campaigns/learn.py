@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import re
 import sys
 from collections.abc import Iterator, Sequence
 from datetime import UTC
@@ -20,6 +21,12 @@ if TYPE_CHECKING:
 
 FILE_WEIGHT = 1000
 """Number of attempts that a probability of the file is worth, if no trial has started its action."""
+
+_P = r"p \d\.\d+ to \d\.\d+"
+COUNTED = re.compile(
+    rf"\d{{4}}-\d\d-\d\d: \d+ of \d+(?:, {_P}(?:; \w+ \d+(?: \({_P}\))?(?:, \w+ \d+(?: \({_P}\))?)*)?)?"
+)
+"""Pattern of the comment that an earlier call has written, which a later one replaces."""
 
 
 def learn(
@@ -143,7 +150,7 @@ def _switch_words(task: Task, verdict: SwitchVerdict | None) -> str:
 def _changed(
     text: str, task: Task, found: Sequence[EntryCounts], date: str, verdict: SwitchVerdict | None
 ) -> str:
-    from handcart.tools.terminal.yaml_editing import edited
+    from handcart.tools.terminal.yaml_editing import edited, with_comments
 
     def change(data: Any) -> None:
         for number, (entry, item) in enumerate(zip(task.file.actions, found, strict=True)):
@@ -153,11 +160,11 @@ def _changed(
             if entry.route_from is None:  # otherwise cost_s is the part besides the route
                 row["cost_s"] = _rounded(item.mean_s, row["cost_s"])
             _write_chances(row, entry, item)
-            data["actions"].yaml_add_eol_comment(f"{date}: {item.words()}", number, column=0)
         if verdict is not None and verdict.is_sure and task.network.policy == "rule":
             data.insert(list(data).index("goal") + 1, "policy", "expected_cost")
 
-    return edited(text, change)
+    counted = {number: f"{date}: {item.words()}" for number, item in enumerate(found) if item.counts.attempts}
+    return with_comments(edited(text, change), "actions", counted, COUNTED)
 
 
 def _write_chances(row: Any, entry: TaskEntry, each: EntryCounts) -> None:

@@ -2,12 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from io import StringIO
 from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
+from ruamel.yaml.composer import Composer
+from ruamel.yaml.nodes import CollectionNode, Node, ScalarNode
+from typing_extensions import override
+
+_REST = re.compile(r"(?P<data>[\]},\s]*?(?::(?:\s*\*\S+)?)?\s*?)(?P<comment>(?<=\s)#[^\n]*)?(?P<end>\s*)")
+"""What may follow the last value of an item in its line: closing brackets, or an alias, and a comment."""
+
+
+class _KeepingComposer(Composer):
+    """Composer that keeps the comment before a flow collection which has another one behind it.
+
+    ruamel's own composer replaces the first by the second.
+    """
+
+    @override
+    def compose_sequence_node(self, anchor: Any) -> Any:
+        return self._keep_comments(super().compose_sequence_node, anchor)
+
+    @override
+    def compose_mapping_node(self, anchor: Any) -> Any:
+        return self._keep_comments(super().compose_mapping_node, anchor)
+
+    def _keep_comments(self, compose: Callable[[Any], Any], anchor: Any) -> Any:
+        start = self.parser.peek_event()
+        before = start.comment
+        node = compose(anchor)
+        if start.flow_style and before and before[1:] and before[1] and node.comment is not before:
+            node.comment = [node.comment[0] if node.comment else None, before[1]]
+        return node
 
 
 def edited(text: str, change: Callable[[Any], None]) -> str:
@@ -18,6 +48,7 @@ def edited(text: str, change: Callable[[Any], None]) -> str:
         change: changes ruamel's data of the file in place.
     """
     yaml = YAML()
+    yaml.Composer = _KeepingComposer
     yaml.width = 200
     yaml.preserve_quotes = True
     yaml.indent(mapping=2, sequence=4, offset=2)
@@ -26,6 +57,64 @@ def edited(text: str, change: Callable[[Any], None]) -> str:
     out = StringIO()
     yaml.dump(data, out)
     return out.getvalue()
+
+
+def with_comments(text: str, key: str, comments: Mapping[int, str], earlier: re.Pattern[str]) -> str:
+    """Return the text of a YAML file with comments at the ends of items of a list.
+
+    A comment that is there already is kept, and the new one is added to it. An item is left as it is if
+    another item follows in its line, or if it is an alias.
+
+    Args:
+        text: text of the file.
+        key: key of the list at the file's top level.
+        comments: comments, each in one line, by the numbers of their items from 0.
+        earlier: pattern of what a new comment replaces in an existing one.
+    """
+    root = YAML(typ="safe", pure=True).compose(text)
+    found = next(value for name, value in root.value if name.value == key)
+    lines = text.splitlines(keepends=True)
+    for number, comment in comments.items():
+        item = found.value[number]
+        places = [_place(node.end_mark) for node in _leaves(item)]
+        within = [place for place in places if _place(item.start_mark) < place <= _place(item.end_mark)]
+        if _place(found.start_mark) <= _place(item.start_mark) <= _place(found.end_mark) and within:
+            line, column = max(within)
+            lines[line] = lines[line][:column] + _with_comment(lines[line][column:], comment, earlier)
+    return "".join(lines)
+
+
+def _place(mark: Any) -> tuple[int, int]:
+    return mark.line, mark.column
+
+
+def _leaves(node: Node) -> Iterator[Node]:
+    """Yield the scalars and flow collections in an indented collection; otherwise the node itself.
+
+    Texts that begin with `|` or `>` and their keys are left out, because a comment behind such a text would
+    belong to it; so are empty values, which have no place.
+    """
+    if not isinstance(node, CollectionNode) or node.flow_style:
+        if node.start_mark.index < node.end_mark.index:
+            yield node
+        return
+    for inner in node.value:
+        parts = inner if isinstance(inner, tuple) else (inner,)
+        if not any(isinstance(part, ScalarNode) and part.style in ("|", ">") for part in parts):
+            for part in parts:
+                yield from _leaves(part)
+
+
+def _with_comment(rest: str, comment: str, earlier: re.Pattern[str]) -> str:
+    """Return the rest of a line behind a value, with a comment added."""
+    ended = _REST.fullmatch(rest)
+    if ended is None:
+        return rest
+    there = ended["comment"]
+    if there is None:
+        return f"{ended['data'].rstrip()}  # {comment}{ended['end']}"
+    changed, count = earlier.subn(lambda _: comment, there, count=1)
+    return f"{ended['data']}{changed if count else f'{there.rstrip()}; {comment}'}{ended['end']}"
 
 
 def flow_list(values: Sequence[float] | Sequence[str]) -> CommentedSeq:

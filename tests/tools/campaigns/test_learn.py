@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,13 +11,16 @@ from typing import Any
 import orjson
 import pytest
 
+from handcart.evaluation.campaigns.data.action_ends import action_names
 from handcart.evaluation.campaigns.data.campaign_folder import CampaignFolder
 from handcart.evaluation.campaigns.data.trial import ActionEnd, Trial
 from handcart.evaluation.campaigns.data.walked_trials import network_trials
+from handcart.networks.deciding.posterior import SwitchVerdict
 from handcart.networks.entries.action_entry import ActionEntry
 from handcart.networks.task.task_file import load_task
 from tests.tools.conftest import Said
 
+TASKS = Path(__file__).resolve().parents[3] / "tasks"
 NETWORK = """\
 start: a
 goal: z
@@ -162,3 +166,79 @@ def test_shares_of_causes_stay_where_none_were_recorded(handcart: Callable[..., 
     entry = load_task(tour).file.actions[0]
     assert entry.p == pytest.approx(91 / 102.1, abs=1e-3)
     assert entry.fail_entries["blocked"].p == pytest.approx((1.0 - 91 / 102.1) / 2, abs=1e-3)
+
+
+OWN_LAYOUT = """\
+start: a
+goal: z
+situations: {a: {}, b: {}, z: {}}
+actions:
+  # the short way
+  - {do: MODIFY, from: a, to: z, on_fail: b, cost_s: 10, p: 0.5, with: {place: shelf_3}}  # mine: at dawn
+
+  # the other one
+  - do: MODIFY  # in two
+    from: b
+    to: z
+    cost_s: 12
+    p: 0.9
+
+    with:  # where
+      place: shelf_3 # the third
+
+# the end
+"""
+
+
+def counted(task: Path, name: str, count: int) -> Path:
+    """Return a campaign's folder in which each of a task's actions has succeeded so often."""
+    asked: dict[str, Any] = {"task": str(task), "level": "run", "shard": None, "first": 0, "trials": 1}
+    ends = [
+        ActionEnd(name, name, name, "Success", 10.0 * number, result="")
+        for number, name in enumerate(action_names(load_task(task)) * count, 1)
+    ]
+    summary = {"outcome": "Success", "sim_time_s": 1e4, "metrics": {}}
+    with CampaignFolder.made(task.parent / name, asked).log() as log:
+        log.append([Trial(0, 0, summary, ends)])
+    return task.parent / name
+
+
+def test_comments_and_blank_lines_of_a_file_are_kept(handcart: Callable[..., Said], tour: Path) -> None:
+    """A count is added to a comment at the action's end, and replaces an earlier count."""
+    tour.write_text(tour.read_text().partition("\nstart:")[0] + "\n" + OWN_LAYOUT)
+    for count in (20, 30):
+        said = handcart("learn", counted(tour, f"of_{count}", count), "--write")
+        assert said.status == 0, said.err
+        after = tour.read_text()
+        remark = rf"20\d\d-\d\d-\d\d: {count} of {count}, p 0\.\d+ to \d\.\d+\n"
+        assert re.search(rf"place: shelf_3\}}\}} +# mine: at dawn; {remark}\n  # the other one\n", after)
+        assert re.search(r"  - do: MODIFY  # in two\n .*\n .*\n .*\n .*\n\n    with: +# where\n", after)
+        assert re.search(rf"      place: shelf_3 +# the third; {remark}\n# the end\n", after)
+        assert after.count(" of ") == 2
+        assert load_task(tour).file.actions[1].p == pytest.approx((count + 1) / (count + 2.1), abs=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(path.parent.name for path in TASKS.glob("*/task.yaml")))
+def test_each_shipped_task_can_be_learned_again_and_again(
+    handcart: Callable[..., Said], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str
+) -> None:
+    """Its comments stay, in their order; which policy is the best one is not the question here."""
+    monkeypatch.setattr(
+        "handcart.networks.deciding.posterior.judge_switch", lambda *_: SwitchVerdict(0.5, 0.0, True)
+    )
+    task = shutil.copytree(TASKS, tmp_path / "tasks") / name / "task.yaml"
+    comments = re.findall(r"(?:^|(?<=\s))#.*", task.read_text(), re.MULTILINE)
+    actions = len(load_task(task).file.actions)
+    for count in (3, 4):
+        said = handcart("learn", counted(task, f"of_{count}", count), "--write")
+        assert said.status == 0, said.err
+        after = task.read_text()
+        remark = r"20\d\d-\d\d-\d\d: \d+ of \d+, p 0\.\d+ to \d\.\d+(?:; \w+ 0 \(p .*)?"
+        assert len(re.findall(remark, after)) == actions
+        kept = [
+            re.sub(f"# {remark}$|; {remark}$", "", one)
+            for one in re.findall(r"(?:^|(?<=\s))#.*", after, re.MULTILINE)
+        ]
+        assert [one for one in kept if one] == comments
+        load_task(task)
