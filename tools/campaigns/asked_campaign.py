@@ -234,8 +234,7 @@ class OpenCampaign:
             raise NotPossible(
                 "--cluster --jobs; allowed: one of them, the cluster sets the number of processes"
             )
-        alone = self.setting.walks and not (self.setting.varied or self.setting.rare)
-        if alone and self.out is None and self.settling is None:
+        if self.in_one_process:
             from handcart.evaluation.campaigns.statistics.walk_tally import WalkTally
 
             self._counted = WalkTally(walked_trials(self.setting), self.seeds)
@@ -249,6 +248,12 @@ class OpenCampaign:
                 yield 1
                 if self.settling is not None and self.settling.hear(trial):
                     return
+
+    @property
+    def in_one_process(self) -> bool:
+        """True if the trials are random walks that are counted in this process, in batches of thousands."""
+        alone = self.setting.walks and not (self.setting.varied or self.setting.rare)
+        return alone and self.out is None and self.settling is None
 
     @property
     def done(self) -> int:

@@ -155,6 +155,9 @@ def _run(opened: OpenCampaign, jobs: int | None, cluster: str | None) -> bool:
     from rich.console import Console
     from rich.progress import Progress
 
+    if opened.in_one_process and (cluster is not None or (jobs or 1) > 1):
+        words = f"--level {opened.setting.level} without --out and --until counts its walks in this process"
+        print(f"{'--cluster' if cluster is not None else '--jobs'} has no effect: {words}", file=sys.stderr)
     there, count = len(opened.log), len(opened.seeds)
     if there:
         print(f"{there} of {count} trials are there already", file=sys.stderr)

@@ -17,6 +17,7 @@ from typing import Any
 
 import pytest
 
+from benchmarks.campaigns.walk import walk
 from handcart.evaluation.campaigns.campaign import run_campaign
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
 from handcart.evaluation.campaigns.data.trial import Trial
@@ -138,6 +139,23 @@ def test_a_fault_of_handcart_itself_ends_a_campaign_with_5(
         said = handcart("campaign", tour, *words)
         assert (said.status, "1 x Error: TypeError: ours" in said.out) == (5 * (number == 2), number == 2)
     assert handcart("campaign", "merge", *parts).status == 5
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--jobs", "2"), "--jobs has no effect: --level network without --out and --until counts"),
+        (("--cluster", "tcp://nowhere:1"), "--cluster has no effect: --level network"),
+        (("--jobs", "1"), ""),
+        (("--jobs", "2", "--until", "p > 0.1"), ""),
+    ],
+)
+def test_processes_that_have_no_effect_are_told(
+    handcart: Callable[..., Said], tmp_path: Path, words: tuple[str, ...], told: str
+) -> None:
+    said = handcart("campaign", walk(tmp_path), "--level", "network", "--trials", "40", *words)
+    assert said.status == 0, said.err
+    assert (told in said.err) if told else ("no effect" not in said.err)
 
 
 def test_a_signal_after_a_trials_last_action_ends_the_campaign_too(
