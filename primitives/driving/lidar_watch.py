@@ -9,12 +9,12 @@ from handcart.backends.robot.localization.lidar import MAX_BLIND_SHARE, Lidar
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Measured, NeedsPerson
+from handcart.primitives.restoring.snapshot import STALE_S
 from handcart.robotics.navigation.maps.expected_echoes import ExpectedEchoes, expected_echoes
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.arrays import BoolArray
 
 BLOCKED_S = 1.0  # for which most beams show nothing, until the lidar counts as blocked or dirty
-STALE_S = 6.0  # for which it repeats a scan: the base waits meanwhile, and drives on if new ones come
 LOOK_S = 1.0  # between two comparisons with the map
 MAX_SILENT_LOOKS = 2  # comparisons in a row with too few echoes, until it is said
 NEAR_SHARE = 0.8  # of the reach, within which a wall of the map must return an echo

@@ -21,6 +21,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 RESIDUAL_SIGMAS = 3.0  # sigmas
 REST_PERIODS = 5  # periods without any motion that count as rest
 REST_TIMEOUT_S = 5.0
+STALE_S = 6.0  # for which a lidar may repeat a scan: the base waits meanwhile for new ones
 KNOWN_AGAIN = 20  # more of them until the pose of a base that was pushed is known again
 JOINT_NOISE = 2e-4  # [rad] between two readings of a joint at rest
 MIN_HELD_WIDTH_M = 0.002
@@ -63,7 +64,8 @@ class Snapshot:
 def settle(robot: Robot) -> Generator[None, None, bool]:
     """Wait until the robot's readings are constant for `REST_PERIODS` and the pose of the base is known.
 
-    Return whether that happened within `REST_TIMEOUT_S`.
+    Return whether that happened within `REST_TIMEOUT_S`. This time begins again while the lidar repeats a
+    scan, for at most `STALE_S`.
     """
     still, end, displaced = 0, robot.time + REST_TIMEOUT_S, robot.localization.displacements
     before = _readings(robot)
@@ -74,6 +76,8 @@ def settle(robot: Robot) -> Generator[None, None, bool]:
         before = now
         if still == REST_PERIODS:
             robot.localization.look_again()
+        if 0.0 < robot.localization.stale_s <= STALE_S:
+            still, end = 0, robot.time + REST_TIMEOUT_S
         if robot.localization.displacements > displaced:
             displaced, still = robot.localization.displacements, -KNOWN_AGAIN
     return still >= REST_PERIODS

@@ -96,9 +96,14 @@ class WheelLocalization(Localization):
             rolled: pose of the base by the wheels in the base frame when it came to rest; zero if the wheels
                 did not turn.
         """
-        if self._reckoning.unchecked and self.still >= REST_PERIODS and self._range_sensor is not None:
+        if self._needs_check and self._range_sensor is not None and self.stale_s == 0.0:
             self._reckoning.check_drive(self._fresh_points())
         super().look_again(rolled)
+
+    @property
+    def _needs_check(self) -> bool:
+        """True if the base is at rest after a drive, and no scan has been compared with the map since."""
+        return self.still >= REST_PERIODS and self._reckoning.unchecked
 
     @property
     @override
@@ -106,7 +111,7 @@ class WheelLocalization(Localization):
         return self.still >= REST_PERIODS and not (self._reckoning.unchecked or self._reckoning.astray)
 
     def _correct(self) -> None:
-        if self.still == REST_PERIODS:
+        if self.still == REST_PERIODS or self._needs_check:
             self.look_again()
         super()._correct()
 

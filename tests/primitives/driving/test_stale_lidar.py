@@ -11,6 +11,7 @@ from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.outcome import GiveUp, Success
+from handcart.primitives.restoring.snapshot import settle
 from tests.primitives.conftest import Rig
 
 AHEAD = Place(x_m=1.0, y_m=4.0, heading_deg=90.0)
@@ -55,3 +56,27 @@ def test_a_lidar_that_stays_stale_is_named(make_rig: Callable[..., Rig]) -> None
     assert given_up.cause is causes.SENSOR_FAULT
     assert given_up.reason == "the lidar repeats its last scan"
     assert 5.0 < rows[-1][0] - rows[0][0] < 8.0
+
+
+@pytest.mark.parametrize("seconds", [1.0, 5.5])
+@pytest.mark.parametrize("localizer", ["scan", "odometry"])
+def test_base_that_stops_before_a_stalled_lidar_settles_later(
+    make_rig: Callable[..., Rig], localizer: str, seconds: float
+) -> None:
+    """It is at rest once a new scan has been compared with the map."""
+    rig = make_rig(localizer=localizer, robot="cart")
+    for _ in range(20):
+        rig.robot.step()
+    begin = rig.robot.time + 0.9
+    frozen(rig, begin, seconds)
+    for _ in range(20):
+        rig.robot.base.drive(0.3, 0.0)
+        rig.robot.step()
+    waits = settle(rig.robot)
+    with pytest.raises(StopIteration) as end:
+        while next(waits) is None:
+            rig.robot.step()
+    assert end.value.value is True
+    assert rig.robot.time >= begin + seconds
+    assert rig.robot.localization.stale_s == 0.0
+    assert rig.robot.localization.added_sigma == 0.0

@@ -86,6 +86,7 @@ class Robot:
             POSE_JUMPS=jumps,
             displacement=Belief(np.array([0.003, 0.004, -0.01]), np.diag([4e-6, 9e-6, 1e-6])),
             displacements=0,
+            stale_s=0.0,
             look_again=lambda: None,
         )
 

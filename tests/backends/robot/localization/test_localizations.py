@@ -14,6 +14,8 @@ from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.gps import Fix
 from handcart.backends.capabilities.missing_capability import MissingCapability
 from handcart.backends.capabilities.positioning import PoseReading
+from handcart.backends.capabilities.scan import Scan
+from handcart.backends.robot.localization.localization import Localization
 from handcart.backends.robot.localization.outdoor_localization import OutdoorLocalization
 from handcart.backends.robot.localization.pose_covariance import repeatability_of, worst_sigmas
 from handcart.backends.robot.localization.positioning_localization import PositioningLocalization
@@ -330,3 +332,55 @@ def test_base_that_is_pushed_at_rest_is_found_again(localizer: str) -> None:
         found.update(STANDS)
     assert found.displacements == 1
     assert found.pose == pytest.approx(lidar.pose, abs=0.02)
+
+
+class Stalling(Room):
+    """A lidar in a room, which repeats its scan while `stalls`, and gets no echoes while `is_silent`."""
+
+    stalls = is_silent = False
+    _last: Scan | None = None
+
+    def scan(self) -> Scan:
+        if self._last is None or not self.stalls:
+            self._last = super().scan()
+        nothing = np.full(len(self._last.ranges), np.inf)
+        return self._last._replace(ranges=nothing) if self.is_silent else self._last
+
+
+def driven_by_wheels(lidar: Stalling, stalls: bool) -> Localization:
+    """Return the localization of a base that drove 0.6 m, of which it slipped 80 mm, as it comes to rest."""
+    wheels = Wheels()
+    found = made("cart", "odometry", wheels, lidar, grid=room())
+    for _ in range(10):
+        found.update(STANDS)
+    for period in range(20):
+        lidar.stalls = stalls and period > 15
+        wheels.roll(0.03, 0.03)
+        lidar.pose = lidar.pose.compose(Pose2(0.026, 0.0, 0.0))
+        found.update(STANDS)
+    return found
+
+
+@pytest.mark.parametrize("periods", [4, 8, 30])
+def test_lidar_that_stalls_at_the_stop_leaves_a_drive_unchecked(periods: int) -> None:
+    """Until it returns a new scan, by which the pose is corrected at once."""
+    lidar = Stalling()
+    found = driven_by_wheels(lidar, stalls=True)
+    for _ in range(periods):
+        found.update(STANDS)
+        assert found.added_sigma > 0.0
+    assert found.pose.distance(lidar.pose) > 0.05
+    lidar.stalls = False
+    found.update(STANDS)
+    assert found.added_sigma == 0.0
+    assert found.pose.distance(lidar.pose) < 0.04
+
+
+def test_drive_that_ends_where_nothing_is_seen_needs_no_scan() -> None:
+    lidar = Stalling()
+    found = driven_by_wheels(lidar, stalls=False)
+    lidar.is_silent = True
+    for _ in range(4):
+        found.update(STANDS)
+    assert found.added_sigma == 0.0
+    assert found.slips == 0
