@@ -160,7 +160,13 @@ class AskedCampaign:
 
     def _variation(self, task: Task | None) -> Variation | None:
         """Return the variation, whose entries are numbers in the task's files."""
-        return None if self.vary is None or task is None else load_variation(self.vary, task)
+        if self.vary is None or task is None:
+            return None
+        varied = load_variation(self.vary, task)
+        if varied.design == "latin_hypercube" and self.first < 0:
+            wrong = f"--first {self.first} with the design latin_hypercube of --vary"
+            raise NotPossible(f"{wrong}; allowed: 0 and more")
+        return varied
 
     def _setting(self, worlds: WorldGenerator | None, varied: Variation | None) -> CampaignSetting:
         runs = self.runs or (Path(RUNS) if self.out is None else self.out / RUNS)

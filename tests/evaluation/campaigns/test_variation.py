@@ -71,6 +71,17 @@ def test_what_cannot_vary_is_refused(tmp_path: Path, line: str, wrong: str) -> N
     assert "vary.yaml:3:" in str(refused.value)
 
 
+def test_a_latin_hypercube_with_a_negative_first_seed_is_refused(
+    handcart: Callable[..., Said], tmp_path: Path
+) -> None:
+    lines = "design: latin_hypercube\nvary:\n  - {file: task, key: actions.2.cost_s, uniform: [100, 200]}\n"
+    variation(tmp_path, lines)
+    words = ("campaign", walk(tmp_path), "--level", "network", "--trials", "2", "--jobs", "1")
+    said = handcart(*words, "--vary", tmp_path / "vary.yaml", "--first", "-3")
+    assert said.status == 2
+    assert "--first -3 with the design latin_hypercube of --vary; allowed: 0 and more" in said.err
+
+
 def test_numbers_stand_in_the_files_while_the_context_lasts(tmp_path: Path) -> None:
     task = walk(tmp_path)
     with changed_numbers({task: {("actions", 0, "cost_s"): 77.0}}):
