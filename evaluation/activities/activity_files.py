@@ -13,6 +13,7 @@ from handcart.backends.simulation.world_files.load_world import load_world
 from handcart.backends.simulation.world_files.world_map import map_of_world
 from handcart.evaluation.viewing.drawing.picture_file import write_png
 from handcart.files.whole_file import write_whole
+from handcart.files.yaml.yaml_word import yaml_word
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 
@@ -183,7 +184,7 @@ def _kind_keys(entry: CarriedEntry) -> dict[str, Any]:
 def _activity(definition: Definition, room: Room) -> str:
     lines = [
         "format: handcart-activity/1",
-        f"activity: {definition.name}",
+        f"activity: {yaml_word(definition.name)}",
         f"definition: {definition.instance}",
     ]
     lines.append("furniture:" if any(list(piece_.parts()) for piece_ in room.pieces) else "furniture: {}")

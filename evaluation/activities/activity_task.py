@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from handcart.files.yaml.yaml_word import yaml_word
+
 from .definition import Definition
 from .room import Room
 
@@ -62,7 +64,12 @@ def task_text(definition: Definition, room: Room, robot: str) -> str:
     has_floors = any(level.height <= 0.0 for piece in room.pieces for level in piece.levels())
     more = ", keepout: keepout.yaml" if has_floors else ""
     head = HEAD.format(
-        name=definition.name, instance=definition.instance, title=title, robot=robot, goal=goal, more=more
+        name=definition.name,
+        instance=definition.instance,
+        title=yaml_word(title),
+        robot=yaml_word(robot),
+        goal=goal,
+        more=more,
     )
     situations = "".join(SITUATIONS.format(**step) for step in steps)
     actions = "".join(ACTIONS.format(**step) for step in steps)

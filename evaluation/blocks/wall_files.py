@@ -11,6 +11,7 @@ import numpy as np
 
 from handcart.evaluation.viewing.drawing.picture_file import write_png
 from handcart.files.whole_file import write_whole
+from handcart.files.yaml.yaml_word import yaml_word
 from handcart.primitives.blocks.building import Table
 from handcart.primitives.knowledge.level_pose import LevelPose
 from handcart.robotics.geometry.pose2 import Pose2
@@ -41,7 +42,7 @@ def write_wall(plan: WallPlan, chart: Path, robot: str, folder: Path, world: Pat
     _draw(plan.keepout, folder / "keepout.png")
     texts = {
         "task.yaml": TASK_TEMPLATE.format(
-            count=len(plan.blocks), robot=robot, first=plan.trips[0].fetched_at.name
+            count=len(plan.blocks), robot=yaml_word(robot), first=plan.trips[0].fetched_at.name
         ).replace("TRIPS", "\n".join(_trips(plan.trips))),
         "building.yaml": _building(plan),
         "places.yaml": _places(plan),
@@ -94,8 +95,11 @@ def _building(plan: WallPlan) -> str:
     ]
     for name, mark in drawing.landmarks.items():
         place = seen_from.get(name, stops[0].name)
-        lines.append(f"  {name}: {{{_level(mark)}, side_mm: {mark.side_mm:g}, place: {place}}}")
-    lines += ["tables:", *(f"  {name}: {{{_table(table)}}}" for name, table in drawing.tables.items())]
+        lines.append(f"  {yaml_word(name)}: {{{_level(mark)}, side_mm: {mark.side_mm:g}, place: {place}}}")
+    lines += [
+        "tables:",
+        *(f"  {yaml_word(name)}: {{{_table(table)}}}" for name, table in drawing.tables.items()),
+    ]
     lines += ["supply:", *(f"  - {{{_level(pose)}}}" for pose in drawing.supply)]
     lines += ["carried:", *(f"  - {{{_level(item)}}}" for item in drawing.carried)]
     lines += ["goals:", *(f"  - {{{_level(block.place)}}}   # {block.words}" for block in plan.blocks)]
@@ -125,7 +129,7 @@ def _world(plan: WallPlan) -> str:
             foot = ", ".join(f"{PEDESTAL_RATIO * side:.3f}" for side in table.size_m)
             size = ", ".join(f"{side:g}" for side in (*table.size_m, table.height_m))
             lines.append(
-                f"  - {{name: {name}, {_pose(table.floor)}, size_m: [{size}], "
+                f"  - {{name: {yaml_word(name)}, {_pose(table.floor)}, size_m: [{size}], "
                 f"slab_m: {table.thickness_m:g}, foot_m: [{foot}]}}"
             )
     lines += [
@@ -139,7 +143,7 @@ def _world(plan: WallPlan) -> str:
     for name, stone in stones.items():
         size = ", ".join(f"{1e3 * side:g}" for side in (*stone.size_m, stone.thickness_m))
         foot = f"{_pose(stone.floor)}, height_m: {stone.height_m - stone.thickness_m:g}"
-        lines.append(f"  - {{name: {name}, {foot}, size_mm: [{size}], grey: {STONE_GREY}}}")
+        lines.append(f"  - {{name: {yaml_word(name)}, {foot}, size_mm: [{size}], grey: {STONE_GREY}}}")
     return "\n".join(lines) + "\n"
 
 
@@ -169,7 +173,7 @@ def _trips(trips: Sequence[Trip]) -> list[str]:
 
 
 def _stop(what: str, stop: NamedStop) -> str:
-    return f"{what}: {stop.name}, {what}_by: {stop.landmark}"
+    return f"{what}: {stop.name}, {what}_by: {yaml_word(stop.landmark)}"
 
 
 def _pose(pose: Pose2) -> str:

@@ -12,6 +12,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.evaluation.viewing.drawing.picture_file import write_png
 from handcart.files.errors import InputError
 from handcart.files.whole_file import write_whole
+from handcart.files.yaml.yaml_word import yaml_word
 from handcart.primitives.driving.standing_room import StandingRoom
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.seam.seam_file import load_seam, untrackable
@@ -187,7 +188,7 @@ def draw_placements(placed: PlacedSeam, target: Path) -> None:
 def _task(placed: PlacedSeam, robot: str) -> str:
     left = list(range(len(placed.placements.segments) + SPARE_PLACES, 0, -1))
     piece = "  work_piece: work_piece.yaml\n" if placed.work_piece else ""
-    return TASK_TEMPLATE.format(length=placed.seam.length, robot=robot, left=left, piece=piece)
+    return TASK_TEMPLATE.format(length=placed.seam.length, robot=yaml_word(robot), left=left, piece=piece)
 
 
 def _world(placed: PlacedSeam) -> str:
@@ -211,7 +212,7 @@ def _pose(pose: Pose2) -> str:
 def _box(box: WorkBox) -> str:
     size = ", ".join(f"{side:g}" for side in box.size_m)
     stands = f"x_m: {box.x_m:g}, y_m: {box.y_m:g}, heading_deg: {box.heading_deg:g}, above_m: {box.above_m:g}"
-    return f"{{name: {box.name!r}, {stands}, size_m: [{size}]}}"
+    return f"{{name: {yaml_word(box.name)}, {stands}, size_m: [{size}]}}"
 
 
 TASK_TEMPLATE = """\

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from handcart.files.whole_file import write_whole
+from handcart.files.yaml.yaml_word import yaml_word
 from handcart.robotics.navigation.maps.grid_map import UNKNOWN_GREY, GridMap
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -28,7 +29,7 @@ def write_grid(path: Path, grid: GridMap) -> None:
     write_whole(picture, pgm.tobytes())
     write_whole(
         path,
-        f"image: {picture.name}\nresolution: {grid.resolution:.6g}\n"
+        f"image: {yaml_word(picture.name)}\nresolution: {grid.resolution:.6g}\n"
         f"origin: [{grid.origin_x:.6f}, {grid.origin_y:.6f}, 0.0]\n"
         "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
     )

@@ -30,6 +30,7 @@ def make_map(
     from handcart.backends.simulation.world_files.load_world import load_world
     from handcart.backends.simulation.world_files.world_map import map_of_world
     from handcart.evaluation.viewing.drawing.picture_file import write_png
+    from handcart.files.yaml.yaml_word import yaml_word
     from handcart.tools.terminal.writing import NotWritable, check_folder, write_text
 
     if out.suffix != ".yaml":
@@ -42,7 +43,7 @@ def make_map(
     write_png(out.with_suffix(".png"), np.where(grid.occupied, 0, 254).astype(np.uint8)[::-1])
     write_text(
         out,
-        f"image: {out.stem}.png\nresolution: {resolution:g}\n"
+        f"image: {yaml_word(out.stem + '.png')}\nresolution: {resolution:g}\n"
         f"origin: [{grid.origin_x:g}, {grid.origin_y:g}, 0.0]\n"
         "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
     )

@@ -49,3 +49,10 @@ def test_bad_name_of_a_map_leaves_the_world_as_it_is(
     assert make("world.yaml", "--out", out) == 2
     assert words in " ".join(capsys.readouterr().err.split())
     assert Path("world.yaml").read_text(encoding="utf-8") == WORLD
+
+
+def test_map_with_a_special_name_is_read_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("world.yaml").write_text(WORLD, encoding="utf-8")
+    assert make("world.yaml", "--out", "lab #2.yaml") == 0
+    assert load_map(Path("lab #2.yaml"))[0].occupied.any()

@@ -54,6 +54,13 @@ def test_written_map_is_read_back_the_same(plan: Path) -> None:
     assert (plan.parent / "plan.pgm").read_bytes().startswith(b"P5")
 
 
+@pytest.mark.parametrize("name", ["lab #2", "yes", "- x", 'the "lab"', "it's"])
+def test_a_map_may_have_any_name(tmp_path: Path, name: str) -> None:
+    write_grid(tmp_path / f"{name}.yaml", room())
+    grid, _ = load_map(tmp_path / f"{name}.yaml")
+    assert (grid.occupied == room().occupied).all()
+
+
 def test_cropped_map_keeps_each_cell_at_its_place(plan: Path, tmp_path: Path, handcart: Handcart) -> None:
     assert handcart("map", "crop", plan, "-o", tmp_path / "new.yaml", "--box", "1,0.5,5,3").status == 0
     part, _ = load_map(tmp_path / "new.yaml")
