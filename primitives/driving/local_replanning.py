@@ -36,10 +36,9 @@ LEAD_SPEED_M_S = 0.3  # from which it stays
 HOLD_DISTANCE_M = 1.0  # before what no way leads around, at which the base holds
 OLD_CELLS_S = 20.0  # after which what nothing looked at is dropped, if it closes all ways
 PINNED_S = 0.8  # that the guard holds the base at about one place, until it backs off
-PINNED_MOTION_M = 0.05  # within which a place is one place
+PINNED_MOTION_M, PINNED_TURN_RAD = 0.05, 0.05  # within which a pose is one place
 MIN_SHIFT_M = 0.006  # to the middle of a narrow place, from which a route is changed for it
-BACK_OFF_M = 0.25
-BACK_OFF_SPEED_M_S = 0.15
+BACK_OFF_M, BACK_OFF_SPEED_M_S = 0.25, 0.15
 BACK_OFF_TIMEOUT_S = 3.0
 BACK_OFF_MAX_TRIES = 8
 PLANNING_S = 0.2  # simulated, of a plan while the base holds
@@ -266,10 +265,10 @@ class LocalReplanning:
 
     def _note_progress(self, robot: Robot, tracker: PathTracker) -> None:
         """Raise `Discrepancy` if the rest of the way has not shrunk for long."""
-        waits = self.waits_since is not None
-        if tracker.remaining < self._nearest - NEARER_M or waits or tracker.closing:
+        waits, nearer = self.waits_since is not None, tracker.remaining < self._nearest - NEARER_M
+        if nearer or waits:
             self._nearest, self._nearer_at = min(self._nearest, tracker.remaining), robot.time
-            self._backed_off = 0
+        self._backed_off = 0 if nearer else self._backed_off
         patience = max(NEARER_TIMEOUT_S, NEARER_FACTOR * tracker.remaining / self._top)
         if robot.time > self._nearer_at + patience:
             since = robot.time - self._nearer_at
@@ -277,7 +276,8 @@ class LocalReplanning:
             raise Discrepancy(
                 f"the base doesn't get nearer to {self._name}", measured=late, cause=causes.NO_PROGRESS
             )
-        if robot.pose.distance(self._anchor) > PINNED_MOTION_M or waits:
+        turns = robot.pose.turn(self._anchor) > PINNED_TURN_RAD
+        if robot.pose.distance(self._anchor) > PINNED_MOTION_M or turns or waits:
             self._anchor, self._held_for = robot.pose, 0.0
         elif robot.held is not None:
             self._held_for += robot.period

@@ -11,7 +11,9 @@ import pytest
 from handcart.primitives.driving.local_replanning import LocalReplanning
 from handcart.primitives.driving.modify import Modify
 from handcart.primitives.driving.move_to import MoveTo
+from handcart.primitives.knowledge.place import Place
 from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.outcome import Fail, Success
 from tests.primitives.conftest import Rig
 
@@ -116,6 +118,26 @@ def test_slip_and_a_wrong_tread_make_no_oscillation(make_rig: Callable[..., Rig]
         found[name] = (len(turns), driven[-1])
     assert found["bad"][0] <= found["good"][0] + 6
     assert found["bad"][1] < 1.3 * found["good"][1] + 2.0
+
+
+@pytest.mark.slow
+def test_goal_at_which_the_base_cannot_turn_is_a_fail_in_time(make_rig: Callable[..., Rig]) -> None:
+    """The crate is nearer to the goal than a corner of the base: backing off and returning do not help."""
+    crate = "surprises:\n  - {name: crate, x_m: 5.75, y_m: 1.2, size_m: [0.3, 0.3, 0.6]}\n"
+    rig = make_rig(crate, robot="husky", start_y=1.2)
+    rig.model.places = {**rig.model.places, "turned": Place(x_m=5.0, y_m=1.2, heading_deg=90.0)}
+    before, step = rig.scene.base, rig.robot.step
+
+    def watched_step(paused: bool = False) -> None:
+        step(paused)
+        assert rig.robot.time < 100.0, "it goes on without end"
+
+    rig.robot.step = watched_step  # type: ignore[method-assign]
+    failed = rig.run(MoveTo(place="turned"))
+    assert isinstance(failed, Fail), failed
+    assert failed.cause in (causes.BLOCKED, causes.NO_PROGRESS)
+    assert math.dist(before[:2], rig.scene.base[:2]) < 0.03
+    assert rig.scene.contacts == []
 
 
 def test_wait_that_ends_with_nothing_ahead_is_still_explained(make_rig: Callable[..., Rig]) -> None:
