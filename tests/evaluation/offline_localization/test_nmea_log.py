@@ -102,12 +102,12 @@ def test_a_receivers_log_of_another_time_is_refused(tmp_path: Path) -> None:
 
 def test_fixes_and_a_reference_in_degrees_have_one_origin(tmp_path: Path) -> None:
     true = {
-        "true_latitude": [LATITUDE + 0.5 * row * STEP_DEG for row in range(41)],
+        "true_latitude": [LATITUDE + (3 + 0.5 * row) * STEP_DEG for row in range(41)],
         "true_longitude": [8.0] * 41,
     }
     log = with_nmea(recorded(tmp_path, 36_000.0, true), received(tmp_path, 36_005.0))
     rows = np.flatnonzero(np.isfinite(log.fixes).all(axis=1))
-    assert (log.reference[rows, 1] - log.fixes[rows, 1]) == pytest.approx(5 * STEP_M, abs=0.01)
+    assert (log.reference[rows, 1] - log.fixes[rows, 1]) == pytest.approx(8 * STEP_M, abs=0.01)
 
 
 def test_new_fixes_keep_an_accuracy_that_stays_the_same(tmp_path: Path) -> None:
