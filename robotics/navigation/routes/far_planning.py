@@ -13,7 +13,6 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.map_window import (
     coarsened,
-    is_within,
     window_around,
     with_cells_at,
 )
@@ -81,7 +80,7 @@ class FarPlanner:
             return None
         points = np.vstack([[start[:2]], far.points])
         around = with_cells_at(window_around(self._grid, goal.x, goal.y, self._half), sensed)
-        begin = _entry(points, around, self._radius)
+        begin = _entry(points, around, self._radius, self._grid)
         ways = Ways(around, self._shape, (float(points[begin, 0]), float(points[begin, 1])))
         last = ways.to(goal, front).route
         return None if last is None else np.vstack([points[:begin], last.points])
@@ -99,7 +98,7 @@ class FarPlanner:
         return graph
 
 
-def split(route: FloatArray, window: GridMap, radius: float) -> int:
+def split(route: FloatArray, window: GridMap, radius: float, grid: GridMap) -> int:
     """Return how many of a route's first points are to be planned again within a window of the map.
 
     The last of them is in the window, with room for the footprint around it if there is such a point.
@@ -108,8 +107,9 @@ def split(route: FloatArray, window: GridMap, radius: float) -> int:
         route: (n, 2) points of the route on the map, in [m]; the route begins in the window.
         window: part of the map, with the sensed obstacles.
         radius: radius of the footprint, in [m].
+        grid: the map; next to its own borders the route needs no margin, because nothing is beyond them.
     """
-    inside = is_within(window, route, WINDOW_MARGIN_M)
+    inside = _is_inner(route, window, grid)
     count = len(route) if inside.all() else int(np.argmin(inside))
     if count == len(route):
         return count
@@ -117,9 +117,22 @@ def split(route: FloatArray, window: GridMap, radius: float) -> int:
     return int(np.flatnonzero(roomy)[-1]) + 1 if roomy.any() else max(count, 1)
 
 
-def _entry(route: FloatArray, window: GridMap, radius: float) -> int:
+def _is_inner(points: FloatArray, window: GridMap, grid: GridMap) -> BoolArray:
+    """Return a mask (n,), True for points (n, 2) with a margin to the sides on which the map goes on."""
+    (low, high), (least, most) = _corners(window), _corners(grid)
+    low = np.where(low > least + window.resolution, low + WINDOW_MARGIN_M, low)
+    high = np.where(high < most - window.resolution, high - WINDOW_MARGIN_M, high)
+    return np.asarray(np.all((points >= low) & (points <= high), axis=1))
+
+
+def _corners(grid: GridMap) -> tuple[FloatArray, FloatArray]:
+    low = np.array([grid.origin_x, grid.origin_y])
+    return low, low + np.array(grid.occupied.shape[::-1]) * grid.resolution
+
+
+def _entry(route: FloatArray, window: GridMap, radius: float, grid: GridMap) -> int:
     """Return the number of the point from which a route to a window's middle is planned on the window."""
-    return len(route) - split(route[::-1], window, radius)
+    return len(route) - split(route[::-1], window, radius, grid)
 
 
 def _room(grid: GridMap, points: FloatArray) -> FloatArray:

@@ -96,7 +96,7 @@ class FarReplanner:
         yield
         far = yield from self._far.routing(start, goal, front, sensed)
         if far is not None:
-            count = split(far, window, self._radius)
+            count = split(far, window, self._radius, self._grid)
             found = yield from self._beginning(window, start, goal, front, far, count)
             if found.kind == "new":
                 return found
@@ -120,7 +120,7 @@ class FarReplanner:
         better: bool,
     ) -> Generator[None, None, RouteLook]:
         """Look at the part of a route within the window."""
-        count = split(route, window, self._radius)
+        count = split(route, window, self._radius, self._grid)
         if count == len(route):
             return (yield from self._near.looking(window, start, goal, front, route, lead, better))
         here, rest = route[:count], route[count:]

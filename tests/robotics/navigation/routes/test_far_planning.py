@@ -129,3 +129,13 @@ def test_gap_that_was_sensed_closed_is_avoided_by_another_gap() -> None:
     across = found.points[np.abs(found.points[:, 0] - 15.0) < 0.2, 1]
     assert np.abs(across - at_wall).min() > 5.0
     assert room_along(grid.with_points(closed), found.points) > RADIUS
+
+
+def test_route_along_the_map_s_border_avoids_what_is_sensed() -> None:
+    grid, start = hall((16.0, 1.6)), Pose2(4.0, 1.2, 0.0)
+    beside = np.column_stack([np.arange(4.0, 13.0, 0.2), np.full(45, 1.2)])
+    route = np.vstack([beside, look(grid, Pose2(13.0, 1.2, 0.0)).points])
+    box = np.column_stack([np.full(7, 5.5), np.linspace(0.9, 1.5, 7)])
+    found = look(grid, start, box, route)
+    assert found.kind == "new"
+    assert room_along(grid.with_points(box), found.points) > RADIUS
