@@ -167,11 +167,8 @@ class Ways:
         there = (goal[0], goal[1])
         if not self._shape.is_disc:
             route = yield from polygon_routing(self._grown, self._shape, self._start, there, self._settings)
-        elif self._graph is None:
-            return None
         else:
-            yield  # the graph was one step
-            route = self._planned(there)
+            route = None if self._graph is None else self._planned(there)
         if route is None or route.clearance[-1] < self._needed - 1e-9:
             return None
         return route if self._tight_spot(route, None) is None else None
