@@ -16,7 +16,7 @@ class Wheels:
     """A robot with nothing but wheels, that rolls, or is found elsewhere, as the test says."""
 
     def __init__(self, rolls: tuple[int, ...] = (), pushed: int = 0) -> None:
-        self.time, self.displacements, self.looks = 0.0, 0, 0
+        self.time, self.displacements, self.looks, self.stale_s = 0.0, 0, 0, 0.0
         self.localization = self
         self._rolls, self._pushed, self._travel = rolls, pushed, 0.0
         self.base = SimpleNamespace(wheel_travel=lambda: (self._travel, self._travel))
