@@ -15,10 +15,14 @@ def yaml_word(text: str) -> str:
     """Return a text as one word of YAML: unquoted if every reader takes it for this text, otherwise in double
     quotes.
     """
-    if _PLAIN.fullmatch(text):
-        try:
-            if resolve_plain(text) == text:
-                return text
-        except UnclearScalar:
-            pass
+    if _PLAIN.fullmatch(text) and _is_read_as_text(text):
+        return text
     return _NOT_PRINTABLE.sub(lambda found: f"\\u{ord(found[0]):04x}", json.dumps(text, ensure_ascii=False))
+
+
+def _is_read_as_text(word: str) -> bool:
+    """Return whether an unquoted word is read as text by every reader, and not as a number, truth or date."""
+    try:
+        return resolve_plain(word) == word
+    except UnclearScalar:
+        return False

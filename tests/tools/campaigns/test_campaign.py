@@ -142,7 +142,7 @@ def test_a_fault_of_handcart_itself_ends_a_campaign_with_5(
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         (("--jobs", "2"), "--jobs has no effect: --level network without --out and --until counts"),
         (("--cluster", "tcp://nowhere:1"), "--cluster has no effect: --level network"),
@@ -150,12 +150,12 @@ def test_a_fault_of_handcart_itself_ends_a_campaign_with_5(
         (("--jobs", "2", "--until", "p > 0.1"), ""),
     ],
 )
-def test_processes_that_have_no_effect_are_told(
-    handcart: Callable[..., Said], tmp_path: Path, words: tuple[str, ...], told: str
+def test_processes_that_have_no_effect_are_reported(
+    handcart: Callable[..., Said], tmp_path: Path, words: tuple[str, ...], reported: str
 ) -> None:
     said = handcart("campaign", walk(tmp_path), "--level", "network", "--trials", "40", *words)
     assert said.status == 0, said.err
-    assert (told in said.err) if told else ("no effect" not in said.err)
+    assert (reported in said.err) if reported else ("no effect" not in said.err)
 
 
 def test_a_signal_after_a_trials_last_action_ends_the_campaign_too(
