@@ -33,6 +33,7 @@ PATCH_HALF_M, TILE_M = 0.225, 0.15  # of the floor around where it would fall
 STEPS_M = np.arange(-PATCH_HALF_M + TILE_M / 2, PATCH_HALF_M, TILE_M)  # to the middles of its parts
 WINDOW_HALF_M = 0.6  # of the map around it
 OWN_MARGIN_M = 0.10  # of the floor beside the robot, known surfaces and walls, that they may hide
+FAINT_EDGE_GREY_PX = 3.0  # an object may be almost as grey as the floor
 MIN_SEEN_SHARE = 0.6  # of the parts of the patch that can be judged
 MIN_JUDGED_SHARE = 0.5  # of all parts of the patch
 
@@ -90,11 +91,16 @@ def _checked_free(robot: Robot, model: ModelView, photo: Photo, name: str, below
         NeedsPerson: the floor there does not look plain.
     """
     tiles = list(_tiles(robot, model, below))
-    shares = [edge_share(photo.pixels, photo.camera, photo.base_T_camera, tile) for tile in tiles]
+    shares = [
+        edge_share(photo.pixels, photo.camera, photo.base_T_camera, tile, FAINT_EDGE_GREY_PX)
+        for tile in tiles
+    ]
     for share in shares:
         if share is not None and not is_plain(share):
             seen = Measured("Camera", "share of edges on the floor", share, 0.0)
-            raise NeedsPerson(f"something lies below the hand: {name} fell", seen, cause=causes.SLIPPED)
+            raise NeedsPerson(
+                f"something lies below the hand; {name} may have fallen", seen, cause=causes.SLIPPED
+            )
     known = sum(share is not None for share in shares)
     is_enough = len(tiles) >= MIN_JUDGED_SHARE * len(STEPS_M) ** 2 and known >= MIN_SEEN_SHARE * len(tiles)
     return "free" if is_enough else "not seen"

@@ -15,7 +15,11 @@ MAX_EDGE_SHARE = 0.004  # of the part's pixels
 
 
 def edge_share(
-    image: ByteArray, camera: CameraModel, base_T_camera: Transform, corners: FloatArray
+    image: ByteArray,
+    camera: CameraModel,
+    base_T_camera: Transform,
+    corners: FloatArray,
+    least_edge: float = EDGE_GREY_PX,
 ) -> float | None:
     """Return the share of pixels with edges, 0 to 1, in the picture of a part of a surface; None if the part
     is not completely visible.
@@ -25,6 +29,7 @@ def edge_share(
         camera: model of the camera.
         base_T_camera: (4, 4) pose of the camera.
         corners: (n, 3) corners of the convex part in the base frame, in [m].
+        least_edge: change of the picture that counts as an edge, in [grey/px] after smoothing.
     """
     pixels = camera.project(apply(inverse(base_T_camera), corners))
     inside = (pixels >= 0.0) & (pixels <= np.array([camera.width, camera.height]) - 1.0)
@@ -34,7 +39,7 @@ def edge_share(
     cv2.fillConvexPoly(mask, np.rint(pixels).astype(np.int32), 1)
     smooth = cv2.GaussianBlur(image.astype(np.float32), (0, 0), SMOOTHING_PX)
     across, down = (cv2.Sobel(smooth, cv2.CV_32F, *axes, scale=0.125) for axes in ((1, 0), (0, 1)))
-    edges = np.hypot(across, down) > EDGE_GREY_PX
+    edges = np.hypot(across, down) > least_edge
     return float(edges[mask > 0].mean())
 
 

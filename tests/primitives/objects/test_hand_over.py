@@ -134,6 +134,18 @@ def test_object_that_nobody_keeps_is_seen_on_the_floor(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_thing_almost_as_grey_as_the_floor_is_seen_on_it(tmp_path: Path) -> None:
+    world = world_with(tmp_path, [PULL])
+    data = yaml.safe_load(world.read_text(encoding="utf-8"))
+    box = {"name": "box", "x_m": 1.62, "y_m": 1.05, "size_m": [0.15, 0.15, 0.08]}
+    world.write_text(yaml.safe_dump({**data, "surprises": [box]}), encoding="utf-8")
+    with rig_holding(world, seed=3) as rig:
+        outcome = rig.do(HandOver())
+        assert isinstance(outcome, GiveUp)
+        assert outcome.reason == "something lies below the hand; parcel_1 may have fallen"
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("pull", "cause", "rest"),
     [
