@@ -7,15 +7,13 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from handcart.backends.simulation.world_files.load_world import load_world
 from handcart.backends.simulation.world_files.world_map import map_of_world
-from handcart.evaluation.viewing.drawing.picture_file import write_png
+from handcart.files.maps.map_writing import write_grid
 from handcart.files.whole_file import write_whole
 from handcart.files.yaml.yaml_word import yaml_word
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
+from handcart.robotics.navigation.maps.grid_map import from_boxes
 
 from .activity_task import task_text
 from .definition import Definition
@@ -213,7 +211,7 @@ def _activity(definition: Definition, room: Room) -> str:
 
 def _write_map(folder: Path) -> None:
     grid = map_of_world(load_world(folder / "world.yaml"), LIDAR_HEIGHT_M, RESOLUTION_M)
-    _write_grid(folder, "map", grid)
+    write_grid(folder / "map.yaml", grid, ".png")
 
 
 def _write_keepout(folder: Path, room: Room) -> None:
@@ -223,17 +221,7 @@ def _write_keepout(folder: Path, room: Room) -> None:
         pose = piece.in_room(level.x, level.y)
         outlines.append((pose.x, pose.y, pose.theta, *level.size))
     size = (room.width, DEPTH_M)
-    _write_grid(folder, "keepout", from_boxes(outlines, RESOLUTION_M, (0.0, 0.0), size))
-
-
-def _write_grid(folder: Path, name: str, grid: GridMap) -> None:
-    write_png(folder / f"{name}.png", np.where(grid.occupied, 0, 254).astype(np.uint8)[::-1])
-    origin = f"[{grid.origin_x:g}, {grid.origin_y:g}, 0.0]"
-    write_whole(
-        folder / f"{name}.yaml",
-        f"image: {name}.png\nresolution: {RESOLUTION_M:g}\norigin: {origin}\n"
-        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
-    )
+    write_grid(folder / "keepout.yaml", from_boxes(outlines, RESOLUTION_M, (0.0, 0.0), size), ".png")
 
 
 def _at(pose: Pose2) -> dict[str, float]:

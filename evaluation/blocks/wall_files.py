@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import math
-import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
-from handcart.evaluation.viewing.drawing.picture_file import write_png
+from handcart.files.maps.map_writing import write_grid
 from handcart.files.whole_file import write_whole
 from handcart.files.yaml.yaml_word import yaml_word
 from handcart.primitives.blocks.building import Table
@@ -29,7 +26,7 @@ def write_wall(plan: WallPlan, chart: Path, robot: str, folder: Path, world: Pat
 
     Args:
         plan: how the wall is built.
-        chart: file of the map; it is copied, with its picture.
+        chart: file of the map; it is written anew into the folder.
         robot: name of the robot in the task.
         folder: created if it is missing.
         world: world file (default: tables, landmarks and blocks as drawn).
@@ -38,21 +35,19 @@ def write_wall(plan: WallPlan, chart: Path, robot: str, folder: Path, world: Pat
         OSError: a file cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    _copy_map(chart, folder)
-    _draw(plan.keepout, folder / "keepout.png")
+    if chart.resolve() != (folder / "map.yaml").resolve():
+        write_grid(folder / "map.yaml", plan.grid, ".png")
+    write_grid(folder / "keepout.yaml", plan.keepout, ".png")
     texts = {
         "task.yaml": TASK_TEMPLATE.format(
             count=len(plan.blocks), robot=yaml_word(robot), first=plan.trips[0].fetched_at.name
         ).replace("TRIPS", "\n".join(_trips(plan.trips))),
         "building.yaml": _building(plan),
         "places.yaml": _places(plan),
-        "keepout.yaml": _map_yaml(plan.keepout, "keepout.png"),
         "world.yaml": _world(plan) if world is None else world.read_text(encoding="utf-8"),
     }
     if world is None:
-        beside = _beside_tables(plan)
-        _draw(beside, folder / "hall.png")
-        texts["hall.yaml"] = _map_yaml(beside, "hall.png")
+        write_grid(folder / "hall.yaml", _beside_tables(plan), ".png")
     for name, text in texts.items():
         write_whole(folder / name, text)
 
@@ -66,22 +61,6 @@ def _beside_tables(plan: WallPlan) -> GridMap:
     size = grid.occupied.shape[1] * grid.resolution, grid.occupied.shape[0] * grid.resolution
     tables = from_boxes(outlines, grid.resolution, (grid.origin_x, grid.origin_y), size)
     return grid._replace(occupied=grid.occupied & ~tables.occupied)
-
-
-def _draw(grid: GridMap, file: Path) -> None:
-    write_png(file, np.where(grid.occupied, 0, 254).astype(np.uint8)[::-1])
-
-
-def _copy_map(chart: Path, folder: Path) -> None:
-    """Copy the map's file, and the picture that it names, into a folder."""
-    from handcart.files.yaml.yaml_document import read_document
-
-    if chart.parent.resolve() == folder.resolve() and chart.name == "map.yaml":
-        return
-    image = str(read_document(chart).root.deepest(("image",))[0].content)
-    picture = f"map{Path(image).suffix}"
-    shutil.copyfile(chart.parent / image, folder / picture)
-    write_whole(folder / "map.yaml", chart.read_text(encoding="utf-8").replace(image, picture))
 
 
 def _building(plan: WallPlan) -> str:
@@ -188,14 +167,6 @@ def _level(place: LevelPose) -> str:
 def _table(table: Table) -> str:
     size = ", ".join(f"{side:g}" for side in table.size_m)
     return f"{_level(table)}, size_m: [{size}], thickness_m: {table.thickness_m:g}"
-
-
-def _map_yaml(grid: GridMap, image: str) -> str:
-    origin = f"[{grid.origin_x:.4f}, {grid.origin_y:.4f}, 0.0]"
-    return (
-        f"image: {image}\nresolution: {grid.resolution}\norigin: {origin}\n"
-        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
-    )
 
 
 TASK_TEMPLATE = """\

@@ -17,19 +17,24 @@ OCCUPIED_GREY, FREE_GREY = 0, 254
 TRAJECTORY_COLUMNS = "time_s,x_m,y_m,heading_rad,xx_m2,xy_m2,yy_m2,xh_m_rad,yh_m_rad,hh_rad2"
 
 
-def write_grid(path: Path, grid: GridMap) -> None:
-    """Write a map as a YAML file in ROS format and, in the same folder, a PGM picture of the same name.
+def write_grid(path: Path, grid: GridMap, picture: str = ".pgm") -> None:
+    """Write a map as a YAML file in ROS format and, in the same folder, a picture of the same name.
+
+    Args:
+        path: the YAML file.
+        grid: the map.
+        picture: ending of the picture's name, `.pgm` or `.png`.
 
     Raises:
         OSError: a file cannot be written.
     """
     grey = np.where(grid.occupied, OCCUPIED_GREY, np.where(grid.unknown, UNKNOWN_GREY, FREE_GREY))
-    _, pgm = cv2.imencode(".pgm", grey.astype(np.uint8)[::-1])
-    picture = path.with_suffix(".pgm")
-    write_whole(picture, pgm.tobytes())
+    _, encoded = cv2.imencode(picture, grey.astype(np.uint8)[::-1])
+    image = path.with_suffix(picture)
+    write_whole(image, encoded.tobytes())
     write_whole(
         path,
-        f"image: {yaml_word(picture.name)}\nresolution: {grid.resolution:.6g}\n"
+        f"image: {yaml_word(image.name)}\nresolution: {grid.resolution:.6g}\n"
         f"origin: [{grid.origin_x:.6f}, {grid.origin_y:.6f}, 0.0]\n"
         "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
     )

@@ -228,12 +228,15 @@ def _ranges(values: dict[str, FloatArray], header: LogHeader, nothing: FloatArra
 
 
 def _take_out_held(values: dict[str, FloatArray], header: LogHeader) -> None:
-    """Replace repeated values of columns marked `held` by NaN, in place; of a pair, only if both repeat.
+    """Replace repeated values of columns marked `held` by NaN, in place.
 
-    A stated accuracy is kept: it counts only with a fix, and equal accuracies of new fixes are usual.
+    Of columns that a sensor writes together, such as the two of a place, only if all repeat: the heading of a
+    straight drive stays the same in a new pose. A stated accuracy is kept: it counts only with a fix, and
+    equal accuracies of new fixes are usual.
     """
-    others = values.keys() - {name for names in _PLACES for name in names} - {"gps_sigma"}
-    for names in (*_PLACES, *((name,) for name in sorted(others))):
+    together = (*_PLACES[:2], ("true_x", "true_y", *_TRUE, "true_heading"))
+    others = values.keys() - {name for names in together for name in names} - {"gps_sigma"}
+    for names in (*together, *((name,) for name in sorted(others))):
         held = [values[name] for name in names if name in values and header.columns[name].held]
         if held:
             again = np.all([item[1:] == item[:-1] for item in held], axis=0)

@@ -25,6 +25,10 @@ from .places import checked_places
 
 DAY_S = 86_400.0
 MIN_TIME_OF_DAY_S = 1.0  # a log that begins earlier counts its times from its own begin
+ASSUMED_UTC = (
+    "the log's times, from {begun:g} s on, are taken as seconds of the day in UTC, because fixes then fall "
+    "into it; if they count from something else, subtract the first from all"
+)
 UNKNOWN_CLOCK = "the log's clock is not UTC; the first fix is assumed to coincide with the first row"
 
 
@@ -32,8 +36,8 @@ def with_nmea(log: DriveLog, path: Path) -> DriveLog:
     """Return a copy of a log whose fixes are replaced by those in a file of NMEA 0183 sentences (GGA, GST).
 
     The receiver's clock is UTC. If the log's times are seconds since 1970, or of the day so that its fixes
-    fall into the log, they are taken as UTC too; otherwise the first fix is assumed to coincide with the
-    first row, and a note says so. Damaged sentences are skipped.
+    fall into the log, they are taken as UTC too, the latter with a note; otherwise the first fix is assumed
+    to coincide with the first row, and a note says so. Damaged sentences are skipped.
 
     Raises:
         FileError: the file cannot be read, or contains no fix, or none in the time of the log.
@@ -59,8 +63,8 @@ def with_nmea(log: DriveLog, path: Path) -> DriveLog:
     times = times - times[0] + first
     if not ((log.times[0] <= times) & (times <= log.times[-1])).any():
         raise FileError([Finding(str(path), 1, 1, _outside(log, times))])
-    if not is_utc:
-        skipped.insert(0, UNKNOWN_CLOCK)
+    if log.times[0] < DAY_S:
+        skipped.insert(0, ASSUMED_UTC.format(begun=log.times[0]) if is_utc else UNKNOWN_CLOCK)
     lats, lons, notes = checked_places(
         np.array([position.lat for position in positions]),
         np.array([position.lon for position in positions]),

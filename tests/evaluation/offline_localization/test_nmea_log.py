@@ -23,7 +23,7 @@ STEP_M = 1.112
 def recorded(
     folder: Path, begun: float, columns: dict[str, list[float]] | None = None, held: str = ""
 ) -> DriveLog:
-    """Return a log of 20 s, with a row each 0.5 s; `held`: a column whose values are repeated."""
+    """Return a log of 20 s, with a row each 0.5 s; `held`: the columns whose values are repeated."""
     names = ["time", "speed", "gyro_z", *(columns or {})]
     units = {
         "time": "s",
@@ -32,10 +32,12 @@ def recorded(
         "gps_sigma": "m",
         "gps_east": "m",
         "gps_north": "m",
+        "true_x": "m",
+        "true_y": "m",
     }
     lines = ["---", "format: handcart-log/1", "columns:"]
     lines += [
-        f"  {name}: {{unit: {units.get(name, 'deg')}{', held: true' if name == held else ''}}}"
+        f"  {name}: {{unit: {units.get(name, 'deg')}{', held: true' if name in held.split() else ''}}}"
         for name in names
     ]
     lines += ["---", ",".join(names)]
@@ -80,7 +82,9 @@ def test_fixes_are_at_their_utc_in_the_log(
     rows = np.flatnonzero(np.isfinite(log.fixes).all(axis=1))
     assert rows[0] == first_row
     assert log.fixes[rows[0], 1] == pytest.approx(first_fix * STEP_M, abs=0.01)
-    assert not log.notes
+    assert [f"from {begun:g} s on, are taken as seconds of the day in UTC" in note for note in log.notes] == (
+        [True] if begun < 86_400.0 else []
+    )
 
 
 def test_a_clock_other_than_utc_is_noted(tmp_path: Path) -> None:
@@ -120,3 +124,16 @@ def test_new_fixes_keep_an_accuracy_that_stays_the_same(tmp_path: Path) -> None:
     rows = np.isfinite(log.fixes).all(axis=1)
     assert rows.sum() == 21
     assert log.sigmas[rows].tolist() == [0.8] * 21
+
+
+def test_a_held_reference_keeps_the_heading_of_a_straight_drive(tmp_path: Path) -> None:
+    columns = {
+        "true_x": [float(row // 2) for row in range(41)],
+        "true_y": [0.0] * 41,
+        "true_heading": [90.0] * 41,
+    }
+    log = recorded(tmp_path, 0.0, columns, held="true_x true_y true_heading")
+    known = np.isfinite(log.reference)
+    assert known[:, 0].nonzero()[0].tolist() == list(range(0, 41, 2))
+    assert (known[:, 2] == known[:, 0]).all()
+    assert (known[:, 1] == known[:, 0]).all()
