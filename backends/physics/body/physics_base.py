@@ -63,11 +63,16 @@ class PhysicsBase(CommandedBase):
         self.drives.follow()
 
     def read(self) -> None:
-        """Update the wheels' travel from the encoders, at the end of a period."""
+        """Update the wheels' travel from the encoders, at the end of a period.
+
+        The engine's wheels have the tread of the robot's file. If the true tread differs from it, the
+        difference between the encoders of both sides is scaled.
+        """
         travel = self.drives.turned(self._scale) * self._drive.wheel_radius_m
         lefts, wheels = self._lefts, len(travel)
         left, right = sum(travel[:lefts]) / lefts, sum(travel[lefts:]) / (wheels - lefts)
-        self._travel = WheelTravel(float(left), float(right))
+        middle, half = (left + right) / 2, self._tread_scale * (right - left) / 2
+        self._travel = WheelTravel(float(middle - half), float(middle + half))
 
     def rezero(self) -> None:
         """Restart the wheels' travel at 0 from their present angles."""

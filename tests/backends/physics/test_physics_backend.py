@@ -139,6 +139,27 @@ def test_positive_turn_rate_turns_left(make: Make) -> None:
     assert start.inverse().compose(backend.scene.base).theta == pytest.approx(0.3, abs=0.03)
 
 
+def test_a_wrong_tread_misleads_the_odometry_as_without_physics(
+    make: Make, world: WorldFile, spec: RobotFile
+) -> None:
+    """The encoders do not know that the true tread differs from the file's by the error `tread_percent`."""
+    other = {"tread_percent": 10.0, "wheel_radius_percent": 0.0, "slip_percent": 0.0}
+    wrong = spec.model_copy(update={"errors": spec.errors.model_copy(update=other)})
+    ratios = []
+    for backend in (make(robot=wrong), KinematicBackend(wrong, world, 0)):
+        base, begun = parts(backend)[0], backend.scene.base.theta
+        for _ in range(20):
+            base.drive(0.0, 0.5)
+            backend.step()
+        for _ in range(5):
+            backend.step()
+        travel = base.wheel_travel()
+        measured = (travel.right - travel.left) / spec.drive.tread_m
+        ratios.append((backend.scene.base.theta - begun) / measured)
+    assert abs(ratios[1] - 1.0) > 0.01
+    assert ratios[0] == pytest.approx(ratios[1], abs=2e-3)
+
+
 @pytest.mark.slow
 def test_base_command_not_renewed_ends_and_the_base_stops(make: Make) -> None:
     backend = make()
