@@ -93,7 +93,7 @@ class FrameLog(Recording):
         line = self._line.text
         self._recent.append(_Noted(self._count, kept.timestamp, line))
         self._count += 1
-        while self._recent[0].time < now - MARK_MARGIN_S:
+        while self._recent and self._recent[0].time < now - MARK_MARGIN_S:
             self._recent.popleft()
         if self._file is not None:
             self._write(line)

@@ -167,3 +167,14 @@ def test_frames_that_are_none_of_ours_are_told() -> None:
     assert words.describe(can.Message(is_error_frame=True)).what == "error frame"
     assert words.describe(can.Message(arbitration_id=0x181, is_extended_id=True)).who == "unknown"
     assert words.describe(frame(0x181, is_remote_frame=True)).words == "remote 181h"
+
+
+def test_a_frame_that_waited_in_the_interface_is_kept(tmp_path: Path, clock: Any, make_log: Make) -> None:
+    """The first frame, or all, may be older than a mark looks back, as after a pause of the program."""
+    log = make_log()
+    log.open(tmp_path)
+    clock.now = 30.0
+    for stamp in (30.0 - 2 * MARK_MARGIN_S, 30.0):
+        log.note(frame(0x181, "3702feffffff", timestamp=stamp), sent=False)
+    log.close()
+    assert [item.timestamp for item in read(tmp_path / "frames_000.log")] == [30.0 - 2 * MARK_MARGIN_S, 30.0]
