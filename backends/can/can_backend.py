@@ -79,7 +79,7 @@ class CanBackend(Backend):
         self.address = f"{robot.can.interface} {robot.can.channel}"
         self._spec, self._periods = robot.can, 0
         self._fault: CanFault | None = None
-        self._enabled = self._closed = False
+        self._enabled = self._closed = self._is_looking_on = False
         self._sensors: list[LiveSensor] = []
         self.epoch = 0
         """Number of stops; commands of an earlier epoch move nothing."""
@@ -205,8 +205,8 @@ class CanBackend(Backend):
         self.axes.end_handshakes()
 
     def _listen(self, seconds: float) -> None:
-        """Wait and receive frames; a fault that a frame shows ends the wait at once."""
-        going_on = self._fault is None and not self._closed
+        """Wait and receive frames; outside of `watch` a fault that a frame shows ends the wait at once."""
+        going_on = self._fault is None and not self._closed and not self._is_looking_on
         self._line.wait(self._guard.check if going_on else lambda: None, seconds)
 
     def enable(self) -> None:
@@ -231,7 +231,9 @@ class CanBackend(Backend):
             if beat:
                 self._heartbeat.beat()
             if self._pace is not None:
+                self._is_looking_on = True
                 self._pace.wait()
+                self._is_looking_on = False
             self.axes.sync()
 
     def stop(self) -> None:

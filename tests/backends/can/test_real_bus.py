@@ -132,3 +132,18 @@ def test_holding_joints_keep_their_torque_between_programs(robot: RobotFile) -> 
             backend.step()
         assert set(states) <= {"QUICK STOP ACTIVE", "OPERATION ENABLED"}
         assert "OPERATION ENABLED" in states
+
+
+def test_looking_on_shows_how_drives_stop_by_themselves(robot: RobotFile, bench: Bench) -> None:
+    """Drives that lose their torque or the heartbeat report it; `watch` waits all the same."""
+    backend: Any
+    with CanBackend(robot, None) as backend:
+        backend.enable()
+        for drive in bench.drives.values():
+            drive.pressed = True
+            drive.emcy.send(0x3120, 1)
+        for _ in range(3):
+            backend.watch()
+        assert {axis.drive_state for axis in backend.axes.values()} == {"SWITCH ON DISABLED"}
+        with pytest.raises(Emergency):
+            backend.step()
