@@ -144,7 +144,10 @@ class LimitsRung(Rung[Site]):
         with site.backend() as backend:
             jogger, free = Jogger(backend, site.robot), FreeWay(site.robot)
             for number, axis in enumerate(item for item in jogger.axes if item.startswith("joint")):
-                facts[axis] = self._try(site, backend, jogger, free, number, axis)
+                if math.isinf(jogger.limits(axis)[0]):
+                    facts[axis] = {"left_out": "it turns without end"}
+                else:
+                    facts[axis] = self._try(site, backend, jogger, free, number, axis)
         return facts
 
     def _try(

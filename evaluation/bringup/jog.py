@@ -154,7 +154,10 @@ class Jogger:
         return self._gripper.width()
 
     def limits(self, axis: str) -> tuple[float, float]:
-        """Return the lower and upper limit of an axis, in [rad] or [m]; wheels have infinite limits."""
+        """Return the lower and upper limit of an axis, in [rad] or [m].
+
+        Wheels and joints that turn without end have infinite limits.
+        """
         kind, number = _parts(axis)
         if kind == "wheel":
             return -math.inf, math.inf
@@ -162,6 +165,8 @@ class Jogger:
             assert self.robot.gripper is not None
             return 0.0, self.robot.gripper.opening_mm / 1e3
         assert self._model is not None
+        if self._model.endless[number]:
+            return -math.inf, math.inf
         return float(self._model.lower[number]), float(self._model.upper[number])
 
     def top_speed(self, axis: str) -> float:

@@ -10,6 +10,7 @@ from handcart.backends.can.bus.pdo_layout import CYCLIC_POSITION, CYCLIC_VELOCIT
 from handcart.backends.description.can_spec import CanSpec
 
 from .axis import HOLD_COMMAND, Axis
+from .position_range import INTEGER32_RANGE
 
 QUICK_STOP_AND_STAY, QUICK_STOP_AND_DISABLE = 6, 2
 """Quick stop option codes (605Ah) that slow down on the quick stop ramp, then stay, or disable."""
@@ -93,11 +94,20 @@ def _ramps(axis: Axis) -> Iterator[ObjectValue]:
         return
     yield ObjectValue(0x6081, 0, speed)
     yield ObjectValue(0x6072, 0, limits.torque)
-    lowest, highest = sorted((units.counts(limits.lower), units.counts(limits.upper)))
+    lowest, highest = _ends(axis)
     yield ObjectValue(0x607D, 1, lowest)
     yield ObjectValue(0x607D, 2, highest)
     yield ObjectValue(0x6065, 0, units.size(limits.window) if math.isfinite(limits.window) else _ANY)
     yield ObjectValue(0x6066, 0, axis.spec.following_ms)
+
+
+def _ends(axis: Axis) -> tuple[int, int]:
+    """Return the lowest and highest position of an axis, in [counts]; all counts if it turns without end."""
+    units, limits = axis.units, axis.limits
+    if not (math.isfinite(limits.lower) and math.isfinite(limits.upper)):
+        return INTEGER32_RANGE
+    lowest, highest = sorted((units.counts(limits.lower), units.counts(limits.upper)))
+    return lowest, highest
 
 
 def _mode(axis: Axis, period: float) -> Iterator[ObjectValue]:

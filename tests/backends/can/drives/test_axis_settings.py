@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -10,12 +11,24 @@ import pytest
 from handcart.backends.can.drives.axis_limits import AxisLimits
 from handcart.backends.can.drives.axis_settings import mapping, settings
 from handcart.backends.can.drives.expected_motion import ExpectedMotion
+from handcart.backends.capabilities.arm import Arm
 from handcart.backends.description.robot_file import RobotFile
 
 from ..conftest import Make
 
 LIMITS = AxisLimits(2.0, 4.0, 8.0, -1.0, 1.0, 0.1, 1000)
 PROFILE_POSITION, PROFILE_VELOCITY, CYCLIC_POSITION, CYCLIC_VELOCITY = 1, 3, 8, 9
+
+
+def endless_joint_6(text: Callable[[RobotFile], str]) -> Callable[[RobotFile], str]:
+    """Reads a URDF whose last joint of the arm turns without end."""
+
+    def read(self: RobotFile) -> str:
+        limited = '<joint name="joint_6" type="revolute">'
+        assert limited in text(self)
+        return text(self).replace(limited, limited.replace("revolute", "continuous"))
+
+    return read
 
 
 def set_to(backend: Any, name: str, robot: RobotFile, period: float) -> dict[tuple[int, int], int]:
@@ -121,3 +134,21 @@ def test_an_expected_position_is_reached_and_held() -> None:
         assert abs(motion.velocity) <= 1.0
     assert motion.position == pytest.approx(0.3)
     assert motion.velocity == 0.0
+
+
+def test_a_joint_without_end_is_driven_over_a_turn(
+    make: Make, robot: RobotFile, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(RobotFile, "urdf_text", endless_joint_6(RobotFile.urdf_text))
+    backend = make(robot=robot, room=True)
+    found = set_to(backend, "joint 6", robot, 0.05)
+    assert (found[0x607D, 1], found[0x607D, 2]) == (-(2**31), 2**31 - 1)
+    arm = backend.get(Arm)
+    wanted = arm.command().copy()
+    for _ in range(60):
+        wanted[5] += 0.06
+        arm.move(wanted)
+        backend.step()
+    backend.step()
+    assert wanted[5] > math.pi
+    assert arm.joints()[5] == pytest.approx(wanted[5], abs=0.07)
