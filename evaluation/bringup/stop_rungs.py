@@ -85,10 +85,11 @@ class StopTestRung(Rung[Site]):
 
     @override
     def climb(self, site: Site) -> Facts:
+        speed = _trial_speed(site)
         site.operator.tell(
-            f"The base drives {HAND_SPEED * 1.5:.2f} m straight on and stops, {2 * STOP_TRIALS} times."
+            f"The base drives {speed * 1.5:.2f} m straight on and stops, {2 * STOP_TRIALS} times."
         )
-        facts: Facts = {"speed_m_s": HAND_SPEED, "times": STOP_TRIALS}
+        facts: Facts = {"speed_m_s": speed, "times": STOP_TRIALS}
         for name, stop in (("program", _by_program), ("heartbeat", _by_silence)):
             if not site.confirm(f"clear_{name}", f"Is the way clear? Next: {name}."):
                 raise RungFailed("the way wasn't clear")
@@ -112,21 +113,26 @@ class StopTestRung(Rung[Site]):
     @staticmethod
     def _allowed(site: Site, how: str) -> float:
         """Return the allowed stopping distance v t + v²/2a, in [m]; the delay t includes two periods."""
-        drive, period = site.robot.drive, site.robot.period_s
+        drive, period, speed = site.robot.drive, site.robot.period_s, _trial_speed(site)
         delay = 2 * period + (site.spec.heartbeat_timeout_ms / 1e3 if how == "heartbeat" else 0.0)
-        return HAND_SPEED * delay + HAND_SPEED**2 / (2 * drive.acceleration_m_s2)
+        return speed * delay + speed**2 / (2 * drive.acceleration_m_s2)
 
 
 Stop = Callable[[CanBackend], None]
 
 
+def _trial_speed(site: Site) -> float:
+    """Return the speed of the base from which it stops, in [m/s]."""
+    return min(HAND_SPEED, site.robot.drive.top_speed_m_s)
+
+
 def _stop_once(site: Site, stop: Stop, number: int) -> float:
-    """Drive up to 250 mm/s and stop; return the stopping distance of the base, in [m]."""
+    """Drive up to the speed of the trials and stop; return the stopping distance of the base, in [m]."""
     with site.backend(number) as backend:
         base = backend.get(Base)  # type: ignore[type-abstract]
         assert base is not None
         drive, period = site.robot.drive, backend.period
-        speed = min(HAND_SPEED, drive.top_speed_m_s)
+        speed = _trial_speed(site)
         for _ in range(round((speed / drive.acceleration_m_s2 + 0.5) / period)):
             base.drive(speed, 0.0)
             backend.step()

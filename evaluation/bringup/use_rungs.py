@@ -65,7 +65,7 @@ class CalibrationRung(Rung[Site]):
         rolled = _drive(site, backend, HAND_SPEED, 0.0, lambda left, right: (left + right) / 2 >= WAY)
         way = (rolled[0] + rolled[1]) / 2
         truth = float(np.hypot(*(_true_pose(backend)[:2] - before[:2])))
-        measured = site.number("way_m", "Distance that the base drove, by tape [m]?", truth)
+        measured = _positive(site, "way_m", "Distance that the base drove, by tape [m]?", truth)
         radius = site.robot.drive.wheel_radius_m * measured / way
         found["drive.wheel_radius_m"] = Calibrated(radius, radius * TAPE_ACCURACY_M / way)
         facts |= {"way_by_encoder_m": round(way, 4), "way_m": round(measured, 4)}
@@ -78,11 +78,8 @@ class CalibrationRung(Rung[Site]):
         left, right = _drive(site, backend, 0.0, turn, lambda left, right: (right - left) / 2 >= goal)
         by_encoder = (right - left) / drive.tread_m
         true = before + by_encoder + _wrapped(_true_pose(backend)[2] - before - by_encoder)
-        measured = math.radians(
-            site.number(
-                "turn_deg", "Angle that it turned, by marks on the floor [deg]?", math.degrees(true - before)
-            )
-        )
+        question = "Angle that it turned to the left, by marks on the floor [deg]?"
+        measured = math.radians(_positive(site, "turn_deg", question, math.degrees(true - before)))
         tread = (right - left) / measured
         found["drive.tread_m"] = Calibrated(tread, tread * PROTRACTOR_ACCURACY_RAD / measured)
         facts |= {"turn_by_encoder_deg": round(math.degrees(by_encoder), 2)}
@@ -130,14 +127,14 @@ def _drive(
     """Drive until `there` accepts the wheels' travel, and stop; return the travel, left and right, in [m]."""
     base = backend.get(Base)  # type: ignore[type-abstract]
     assert base is not None
-    begun = base.wheel_travel()
+    begun, top_turn = base.wheel_travel(), math.radians(site.robot.drive.top_turn_deg_s)
     rolled = (0.0, 0.0)
     with site.operator.hold("hold the space bar: the base moves") as held:
         while not there(*rolled):
             if not held():
                 backend.stop()
                 raise RungFailed("the key was let go before the base was there")
-            base.drive(min(speed, site.robot.drive.top_speed_m_s), turn)
+            base.drive(min(speed, site.robot.drive.top_speed_m_s), min(turn, top_turn))
             backend.step()
             now = base.wheel_travel()
             rolled = now.left - begun.left, now.right - begun.right
@@ -146,6 +143,14 @@ def _drive(
         backend.step()
     now = base.wheel_travel()
     return now.left - begun.left, now.right - begun.right
+
+
+def _positive(site: RobotSite, key: str, question: str, truth: float) -> float:
+    """Ask the operator for a value above 0; raise `RungFailed` for any other."""
+    measured = site.number(key, question, truth)
+    if not measured > 0.0:
+        raise RungFailed(f"{key}: {measured:g} was measured; needed: above 0, the wheels have turned")
+    return measured
 
 
 def _true_pose(backend: CanBackend) -> np.ndarray[Any, np.dtype[np.float64]]:

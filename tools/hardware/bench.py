@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
@@ -128,7 +129,7 @@ def _serve_drives(
     spec = load_robot(robot)
     if spec.can is None:
         raise NoDrives()
-    planned = [_planned(fault) for fault in faults]
+    planned = [_planned(fault, spec.can) for fault in faults]
     backend, world, seed = simulated
     interface = interface or BETWEEN_PROCESSES
     channel = channel or (spec.can.channel if spec.can.interface == interface else MULTICAST)
@@ -210,7 +211,7 @@ def _library() -> Path:
     return LIBRARY_FOLDER / "world.yaml"
 
 
-def _planned(words: str) -> tuple[str, float, int | None]:
+def _planned(words: str, spec: CanSpec) -> tuple[str, float, int | None]:
     from handcart.backends.can.bench.injected_faults import injected_fault
 
     name, _, rest = words.partition("@")
@@ -219,11 +220,17 @@ def _planned(words: str) -> tuple[str, float, int | None]:
         raise typer.BadParameter(f"{name!r} happens at the program's own interface; allowed: any other fault")
     at, _, node = rest.partition("@")
     try:
-        return name, float(at or 0.0), int(node) if node else None
+        begins, number = float(at or 0.0), int(node) if node else None
     except ValueError:
+        begins, number = math.nan, None
+    if not math.isfinite(begins):
+        raise typer.BadParameter(f"{words!r} is not a fault; allowed: NAME@SECONDS or NAME@SECONDS@NODE")
+    nodes = [axis.node for _, axis in spec.axes()]
+    if number is not None and number not in nodes:
         raise typer.BadParameter(
-            f"{words!r} is not a fault; allowed: NAME@SECONDS or NAME@SECONDS@NODE"
-        ) from None
+            f"{words!r}: no drive has the node {number}; allowed: {', '.join(map(str, nodes))}"
+        )
+    return name, begins, number
 
 
 def _list_faults() -> None:

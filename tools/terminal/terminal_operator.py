@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -31,9 +32,12 @@ class TerminalOperator(Operator):
     def number(self, key: str, question: str, truth: Callable[[], float]) -> float:
         while True:
             try:
-                return float(self._line(key, f"{question} ").replace(",", "."))
+                given = float(self._line(key, f"{question} ").replace(",", "."))
             except ValueError:
-                self.tell("a number, please, such as 0.103")
+                given = math.nan
+            if math.isfinite(given):
+                return given
+            self.tell("a number, please, such as 0.103")
 
     @override
     def act(self, key: str, words: str, on_bench: Callable[[], None]) -> None:

@@ -134,3 +134,19 @@ def test_options_of_the_other_kind_of_bench_are_refused(
     said = handcart("bench", "cart", *words, "--seconds", "0.1")
     assert (said.status, said.out) == (2, "")
     assert message in " ".join(said.err.split())
+
+
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        ("fault@0@99", "'fault@0@99': no drive has the node 99; allowed: 1, 2"),
+        ("fault@nan", "'fault@nan' is not a fault"),
+        ("fault@soon", "'fault@soon' is not a fault"),
+    ],
+)
+def test_a_planned_fault_that_cannot_happen_is_refused(
+    handcart: Callable[..., Said], fault: str, words: str
+) -> None:
+    said = handcart("bench", "cart", "--interface", "virtual", "--fault", fault, "--seconds", "0.2")
+    assert said.status == 2
+    assert words in " ".join(said.err.split())

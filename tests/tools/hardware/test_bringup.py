@@ -9,11 +9,16 @@ from typing import Any
 
 import pytest
 
+from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.loading.robot_loading import load_robot
+from handcart.evaluation.bringup.axis_rungs import LimitsRung
 from handcart.evaluation.bringup.ladder import ALL_RUNGS, BenchFirst, Ladder
 from handcart.evaluation.bringup.operator import BenchOperator, ScriptedOperator
 from handcart.evaluation.bringup.record import read
+from handcart.evaluation.bringup.rung import RungFailed
 from handcart.evaluation.bringup.site import Site
+from handcart.evaluation.bringup.stop_rungs import StopTestRung
+from handcart.evaluation.bringup.use_rungs import CalibrationRung
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from tests.tools.conftest import Said
 
@@ -128,6 +133,49 @@ def test_a_drive_that_doesnt_heed_the_emergency_stop(site: Site, monkeypatch: py
     last = climb(Ladder(site), "emergency_stop")[-1]
     assert (last.rung, last.passed) == ("emergency_stop", False)
     assert "still enabled: left wheel, right wheel" in last.reason
+
+
+def slow_turner(site: Site) -> Site:
+    """Return the site with a cart that drives and turns slower than a bring-up would."""
+    drive = site.robot.drive.model_copy(update={"top_speed_m_s": 0.2, "top_turn_deg_s": 20.0})
+    site.robot = site.robot.model_copy(update={"drive": drive})
+    return site
+
+
+def test_a_slow_robot_stops_from_the_speed_that_it_has(site: Site) -> None:
+    facts = StopTestRung().climb(slow_turner(site))
+    assert facts["speed_m_s"] == 0.2
+    acceleration, period = site.robot.drive.acceleration_m_s2, site.robot.period_s
+    assert facts["program_allowed_m"] == pytest.approx(0.2 * 2 * period + 0.2**2 / 2 / acceleration, abs=1e-4)
+
+
+def test_a_robot_that_turns_slowly_is_calibrated(site: Site) -> None:
+    site = slow_turner(site)
+    site.folder.mkdir(parents=True)
+    assert CalibrationRung().climb(site)["turn_deg"] == pytest.approx(360.0, abs=10.0)
+
+
+@pytest.mark.parametrize(("key", "value"), [("way_m", 0.0), ("turn_deg", 0.0), ("turn_deg", -360.0)])
+def test_a_calibration_by_no_motion_is_not_passed(site: Site, key: str, value: float) -> None:
+    site.operator = ScriptedOperator({"clear": True, "way_m": 1.0, "turn_deg": 360.0} | {key: value})
+    with pytest.raises(RungFailed, match=f"{key}: {value:g} was measured; needed: above 0"):
+        CalibrationRung().climb(site)
+
+
+def test_a_joint_without_end_has_no_limit_to_try(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    limited, text = '<joint name="joint_{}" type="revolute">', RobotFile.urdf_text
+
+    def endless(robot: RobotFile) -> str:
+        result = text(robot)
+        for number in range(1, 7):
+            words = limited.format(number)
+            result = result.replace(words, words.replace("revolute", "continuous"))
+        return result
+
+    site.robot = load_robot("librarian")
+    monkeypatch.setattr(RobotFile, "urdf_text", endless)
+    facts = LimitsRung().climb(site)
+    assert list(facts.values()) == [{"left_out": "it turns without end"}] * 6
 
 
 def test_the_command(handcart: Callable[..., Said], tmp_path: Path) -> None:

@@ -95,6 +95,6 @@ def test_answers_are_asked_for_until_they_are_some(
     operator = TerminalOperator()
     typing(b"perhaps\nY\n")
     assert operator.confirm("pressed", "Pressed?")
-    typing(b"far\n0,103\n")
+    typing(b"far\nnan\ninf\n0,103\n")
     assert operator.number("way", "How far [m]?", lambda: 1.0) == 0.103
     assert "a number, please" in capsys.readouterr().err
