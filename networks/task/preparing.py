@@ -33,7 +33,7 @@ from .named_files import SPEED_MASK_KEYS
 from .place_room import ComputedPlace, PlaceRoom, PlaceRooms, place_findings, place_rooms
 from .pose_forecast import pose_findings
 from .task_file import Primitives, Task, load_task
-from .unknown_start import drawn_pose, start_findings
+from .unknown_start import check_located, drawn_pose, start_findings
 from .without_map import is_without_map, open_floor, started_exactly
 
 T = TypeVar("T")
@@ -112,6 +112,7 @@ def prepare(
     Raises:
         NoBench: the backend has no drives, or cannot be behind a bench.
         UnknownSituation: the task has no such situation.
+        NotLocated: the start pose is unknown, and no way leads from that situation to LOCATE.
         NoWindow: robot and world cannot be shown.
         FileError: a file has faults; the error lists the faults of all files.
     """
@@ -213,6 +214,8 @@ def _read(
     task = load_task(task_path, settings, primitives)
     if situation is not None:
         task = replace(task, network=beginning_at(task.network, situation))
+        if not resumed and not task.knowledge.is_start_known:
+            check_located(task.network, situation)
     findings, name = Findings(), backend or task.file.backend
     spec = _collected(findings, lambda: _robot_of(task, only_looked or _has_drives(name)))
     spec = spec if errors or spec is None else spec.without_errors()
@@ -292,6 +295,7 @@ def check(
 
     Raises:
         UnknownSituation: the task has no such situation.
+        NotLocated: the start pose is unknown, and no way leads from that situation to LOCATE.
         FileError: a file has faults; the error lists those of all files, except faults of places, which are
             returned.
     """

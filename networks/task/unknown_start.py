@@ -6,12 +6,14 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import cv2
+import networkx as nx
 import numpy as np
 
 from handcart.backends.description.robot_file import RobotFile
-from handcart.files.errors import Finding
+from handcart.files.errors import Finding, InputError
+from handcart.files.suggest import listed
 from handcart.files.yaml.yaml_document import Document
-from handcart.networks.graph.network import LOCATE_NAME, Action, Binding, Situation
+from handcart.networks.graph.network import LOCATE_NAME, Action, ActionNetwork, Binding, Situation
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap
@@ -22,6 +24,10 @@ UNLOCATED_NAME = "pose unknown"
 SCAN_LOCALIZERS = ("scan", "odometry")
 ROOM_M = 0.1  # beside the footprint, where a simulated robot is set down
 START_KEY = ("knowledge", "start")
+
+
+class NotLocated(InputError):
+    """Error: a run would begin without a pose in a situation from which no way leads to LOCATE."""
 
 
 class Parts(NamedTuple):
@@ -90,6 +96,19 @@ def drawn_pose(grid: GridMap, radius: float, seed: int) -> Pose2:
     return Pose2(x, y, float(rng.uniform(-np.pi, np.pi)))
 
 
+def check_located(network: ActionNetwork, situation: str) -> None:
+    """Raise `NotLocated` if no way leads to LOCATE from where a run begins without a pose."""
+    ahead = {situation, *nx.descendants(network.graph, situation)}
+    sources = {action.source: None for action in network.actions if _is_locate(action)}
+    if not sources.keys() & ahead:
+        wrong = f"the start pose is unknown, and no way leads from {situation!r} to LOCATE"
+        raise NotLocated(f"{wrong}; allowed: {listed(sources)}, or a place as the task's start")
+
+
 def has_locate(actions: Sequence[Action]) -> bool:
     """Return whether an action of a network is LOCATE."""
-    return any(action.binding is not None and action.binding.label == LOCATE_NAME for action in actions)
+    return any(map(_is_locate, actions))
+
+
+def _is_locate(action: Action) -> bool:
+    return action.binding is not None and action.binding.label == LOCATE_NAME

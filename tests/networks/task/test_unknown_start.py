@@ -12,7 +12,7 @@ from handcart.networks.graph.planner import NoWay, Planner
 from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import check, prepare
 from handcart.networks.task.task_file import load_task
-from handcart.networks.task.unknown_start import drawn_pose
+from handcart.networks.task.unknown_start import NotLocated, drawn_pose
 from handcart.primitives.knowledge.place import load_map
 
 DRIVE_MAP = Path(__file__).parents[3] / "tasks" / "drive_map"
@@ -50,6 +50,14 @@ def test_a_robot_that_cannot_locate_itself_is_refused(robot: str, needed: str) -
     assert any(
         "an unknown start is found by scans on a map; needed: " in item and needed in item for item in wrong
     )
+
+
+def test_a_run_begins_without_a_pose_only_before_locate() -> None:
+    settings = {"start": "unknown", "robot": "cart", "tour": "[desk, store]"}
+    with pytest.raises(NotLocated, match=r"from 'next\[2\]' to LOCATE; allowed: pose unknown, or a place"):
+        check(TASK, settings=settings, situation="next[2]")
+    assert check(TASK, settings=settings, situation="pose unknown").task.network.start == "pose unknown"
+    assert check(TASK, settings={**settings, "start": "home"}, situation="next[2]").errors == ()
 
 
 def test_a_misspelt_unknown_start_is_suggested() -> None:
