@@ -11,6 +11,7 @@ import numpy as np
 from typing_extensions import override
 
 from handcart.backends.robot.robot import Robot
+from handcart.evaluation.judging.at_most import at_most
 from handcart.evaluation.judging.survey import Survey, SurveyedRun
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.motions.working_arm import working_arm
@@ -81,6 +82,7 @@ class SeamSurvey(Survey):
         self.stretches: list[SeamStretch] = []
         """Stretches of successful TRACKs."""
         self._now: SeamStretch | None = None
+        self._is_due = False  # whether a part of the seam is left for the running TRACK
 
     @classmethod
     def applies(cls, run: SurveyedRun) -> bool:
@@ -90,7 +92,8 @@ class SeamSurvey(Survey):
     @override
     def started(self, number: int, primitive: ActionPrimitive) -> None:
         self.tracks = primitive if isinstance(primitive, Track) else None
-        self._now = None
+        self._now, part = None, self.run.model.of(Seam).seam_work.next
+        self._is_due = self.tracks is not None and part is not None and not part.empty
 
     @override
     def look(self, robot: Robot) -> None:
@@ -105,11 +108,16 @@ class SeamSurvey(Survey):
 
     @override
     def ended(self, number: int, primitive: ActionPrimitive, outcome: Outcome) -> list[str]:
-        if isinstance(outcome, Success) and self._now is not None:
-            self._now.score = float(outcome.evidence.get("part_score_m", 0.0))
-            self.stretches.append(self._now)
+        """Return what contradicts a Success of TRACK: the tool was off its part, or not on all of it."""
+        stretch, wrong = self._now, list[str]()
+        if isinstance(outcome, Success) and stretch is not None:
+            stretch.score = float(outcome.evidence.get("part_score_m", 0.0))
+            self.stretches.append(stretch)
+            wrong = _contradictions(stretch)
+        elif isinstance(outcome, Success) and self._is_due:
+            wrong = ["the tool never was on its part of the seam"]
         self.tracks = self._now = None
-        return []
+        return wrong
 
     @override
     def notes(self) -> list[StretchNotes]:
@@ -199,6 +207,14 @@ class SeamSurvey(Survey):
         return load.use(joints, self.run.robot.period, load.torque, push)
 
 
+def _contradictions(stretch: SeamStretch) -> list[str]:
+    """Return what contradicts that the tool was on the whole part, and nowhere else."""
+    tips, points, most = np.array(stretch.tips), stretch.part.points, 1e3 * (MOST_OFF + SENSOR_ERROR_M)
+    off, left = 1e3 * distances(tips, points).max(), 1e3 * distances(points, tips).max()
+    wrong = at_most("the tool was {:.1f} mm off its part of the seam", off, most)
+    return wrong + at_most("a point of its part of the seam is {:.1f} mm from where the tool was", left, most)
+
+
 def _again(noted: StretchNotes, dof: int) -> SeamStretch:
     """Restore a stretch from its notes.
 
@@ -228,9 +244,10 @@ def distances(points: FloatArray, path: FloatArray) -> FloatArray:
 
     Args:
         points: (k, 3) in the frame of the path, in [m].
-        path: (p, 3) points joined by straight lines, in [m].
+        path: (p, 3) points joined by straight lines, at least one, in [m].
     """
-    starts, ways = path[:-1], np.diff(path, axis=0)
+    starts, ways = (path[:-1], np.diff(path, axis=0)) if len(path) > 1 else (path, np.zeros((1, 3)))
     to = points[:, None] - starts[None]
-    share = np.clip(np.einsum("kpi,pi->kp", to, ways) / np.einsum("pi,pi->p", ways, ways), 0.0, 1.0)
+    squares = np.maximum(np.einsum("pi,pi->p", ways, ways), np.finfo(float).tiny)
+    share = np.clip(np.einsum("kpi,pi->kp", to, ways) / squares, 0.0, 1.0)
     return np.asarray(np.linalg.norm(to - share[..., None] * ways, axis=2).min(axis=1))
