@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator, Sequence
 from typing import ClassVar, Literal
 
@@ -46,6 +47,7 @@ FAST, SLOW = 0.10, 0.02  # [m/s]
 TOUCHDOWN_FORCE_N = 4.0
 DESCENT_MAX_FORCE_N = 12.0  # on the way down
 MOST_OFF = 0.008  # [m] from its goal at which a block still counts as put there
+MOST_TURNED_RAD = math.radians(3.0)  # the same of its heading
 
 
 class Stack(ActionPrimitive):
@@ -244,11 +246,23 @@ class Stack(ActionPrimitive):
             raise Discrepancy(f"block {self.number} isn't seen where it was put", cause=causes.NOT_SEEN)
         off = seen.relative_to(on_level(expected))
         self.found(seen_x_mm=round(1e3 * off.x, 2), seen_y_mm=round(1e3 * off.y, 2))
+        self.found(seen_turned_deg=round(math.degrees(off.theta), 2))
         far = float(np.hypot(off.x, off.y))
         if far > MOST_OFF:
             apart = Measured("Camera", "block off its goal", 1e3 * far, 1e3 * MOST_OFF, "mm")
             raise Discrepancy(
                 f"block {self.number} is next to its goal", measured=apart, cause=causes.MISPLACED
+            )
+        if abs(off.theta) > MOST_TURNED_RAD:
+            turned = Measured(
+                "Camera",
+                "block turned against its goal",
+                math.degrees(abs(off.theta)),
+                math.degrees(MOST_TURNED_RAD),
+                "deg",
+            )
+            raise Discrepancy(
+                f"block {self.number} is turned against its goal", measured=turned, cause=causes.MISPLACED
             )
         self._placed = Placed(self.number, goal.floor, goal.height_m)
         blocks.placed = (*blocks.placed, self._placed)

@@ -28,6 +28,7 @@ from handcart.primitives.outcomes.calibrated import Calibrated
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.registry import primitive_names
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import transform
 
 HERE = Pose2(0.0, 0.0, 0.0)
 
@@ -290,3 +291,28 @@ def test_how_far_off_it_believed_to_be_is_told_by_squares_and_worst() -> None:
             "localisation_deg_max": round(math.degrees(0.02), 3),
         }
     )
+
+
+@pytest.mark.parametrize(
+    ("x", "z", "roll", "yaw", "wrong"),
+    [
+        (0.010, 0.004, 0.5, 3.4, ""),
+        (0.010, 0.0, 0.0, 180.0, ""),
+        (0.011, 0.0, 0.0, 0.0, "the block is 11.0 mm from its goal"),
+        (0.0, -0.06, 0.0, 0.0, "the block is 60.0 mm above or below its goal"),
+        (0.0, 0.0, 90.0, 0.0, "the block is tilted by 90.0 deg"),
+        (0.0, 0.0, 0.0, -4.0, "the block is turned by 4.0 deg"),
+    ],
+)
+def test_a_stacked_block_is_at_its_goal_upright_and_not_turned(
+    x: float, z: float, roll: float, yaw: float, wrong: str
+) -> None:
+    goal = Pose2(1.0, 2.0, 0.7).lift()
+    off = transform((x, 0.0, z), rpy=(math.radians(roll), 0.0, math.radians(yaw)))
+    block = SimpleNamespace(pose=goal @ off, rest=SimpleNamespace(value="table"))
+    plan = SimpleNamespace(goals=[SimpleNamespace(pose=goal)])
+    model: Any = SimpleNamespace(of=lambda _: SimpleNamespace(building=plan))
+    world: Any = SimpleNamespace(of=lambda _: SimpleNamespace(blocks={"1": block}), base=HERE)
+    claim = claimed(SimpleNamespace(number=1, onto="goal"))
+    untrue = false(BlockSurvey, "STACK", claim, model=model, world=world)
+    assert [item.partition(" (")[0] for item in untrue] == ([wrong] if wrong else [])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 from pathlib import Path
 from typing import Any
@@ -208,9 +209,15 @@ def test_a_block_that_is_taken_away_once_placed_is_no_success() -> None:
     assert "isn't seen where it was put" in outcome.reason
 
 
-def test_a_block_pushed_aside_once_placed_is_seen() -> None:
+@pytest.mark.parametrize(
+    ("aside", "turned", "words"),
+    [(0.011, 0.0, "next to its goal"), (0.0, math.radians(5.0), "turned against its goal")],
+)
+def test_a_block_moved_once_placed_is_seen(aside: float, turned: float, words: str) -> None:
     def push(scene: Any) -> None:
-        scene.of(BlockProps).blocks["1"].pose[1, 3] += 0.011
+        block = scene.of(BlockProps).blocks["1"]
+        block.pose = block.pose @ transform((0.0, 0.0, 0.0), rpy=(0.0, 0.0, turned))
+        block.pose[1, 3] += aside
         scene.changes += 1
 
     with with_block(at_the_wall()) as rig:
@@ -221,7 +228,7 @@ def test_a_block_pushed_aside_once_placed_is_seen() -> None:
             push,
         )
     assert not isinstance(outcome, Success)
-    assert "next to its goal" in outcome.reason
+    assert words in outcome.reason
 
 
 def test_block_put_back_at_another_place_is_a_give_up() -> None:
