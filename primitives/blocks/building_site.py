@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.blocks.blocks import Blocks
+from handcart.primitives.knowledge.level_pose import LevelPose
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
@@ -46,3 +47,16 @@ def building(model: ModelView) -> Building:
     if blocks.building is None:
         raise Discrepancy("the task has no building plan", permanent=True, cause=causes.NOT_KNOWN)
     return blocks.building
+
+
+def seat(plan: Building, number: int) -> LevelPose:
+    """Return the pose in the base frame at which the robot's own table carries block `number`, from 1; raises
+    `Discrepancy` if the plan has no such seats.
+    """
+    if not plan.carried:
+        raise Discrepancy(
+            f"the plan has no seats on the robot's own table (carried), none for block {number}",
+            permanent=True,
+            cause=causes.NOT_KNOWN,
+        )
+    return plan.seat(number)

@@ -337,6 +337,8 @@ def _reached(
     """Return whether the hand could be moved to base_T_hand (4, 4)."""
     try:
         yield from move_to_pose(robot, base_T_hand, held, around)
-    except Discrepancy:
+    except Discrepancy as no_way:
+        if no_way.cause not in (causes.OUT_OF_REACH, causes.NO_ARM_PATH):
+            raise
         return False
     return True

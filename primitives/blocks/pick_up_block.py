@@ -37,7 +37,7 @@ from handcart.robotics.geometry.transform import Transform, inverse
 
 from .block_view import see_block, why_unseen
 from .building import Building
-from .building_site import building, standing, surroundings
+from .building_site import building, seat, standing, surroundings
 from .supports import TRAY_NAME, held_on
 
 WAIT_HEIGHT_M = 0.06  # over the grip, where the hand waits before it goes straight down and after it came up
@@ -157,7 +157,8 @@ class PickUpBlock(ActionPrimitive):
             NeedsPerson: the block is not seen at its place, or is off by more than the robot's tolerance.
         """
         self._held, blocks = False, model.of(Blocks)
-        blocks.taken = tuple(number for number in blocks.taken if number != self.number)
+        if self.at == "supply":
+            blocks.taken = tuple(number for number in blocks.taken if number != self.number)
         yield from retrace(robot, start, trace)
         if not self._touched:
             return
@@ -190,7 +191,7 @@ class PickUpBlock(ActionPrimitive):
     def _stands(self, robot: Robot, model: ModelView, plan: Building) -> Transform:
         """Return base_T_block (4, 4) by the building plan and the estimated pose of the base."""
         if self.at == "robot":
-            return plan.seat(self.number).pose
+            return seat(plan, self.number).pose
         if self.number > len(plan.supply):
             raise Discrepancy(
                 f"the supply has {len(plan.supply)} blocks, no block {self.number}",

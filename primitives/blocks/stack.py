@@ -27,6 +27,8 @@ from handcart.primitives.motions.pushing import push, relax
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import LETS_GO
+from handcart.primitives.restoring.snapshot import Snapshot
+from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Box
@@ -35,7 +37,7 @@ from handcart.robotics.manipulation.suspension.fixation import placing_posture, 
 from .base_correction import METHOD_CORRECTIONS, FixOnce, Method, OnRobot, fixation
 from .block_view import see_block
 from .building import Building, LandmarkPlan
-from .building_site import VIEW_DISTANCE_M, building, surroundings
+from .building_site import VIEW_DISTANCE_M, building, seat, surroundings
 from .fixate import landmark_of
 from .fixating import Rule, fixate, fixed_by, planned_view, sought
 from .pick_up_block import OPENING_CLEARANCE_M, WAIT_HEIGHT_M, unlike_block
@@ -120,6 +122,13 @@ class Stack(ActionPrimitive):
         if self.stow:
             yield from move_to_posture(robot, "home", around=surroundings(robot, model))
 
+    @override
+    def restore(self, robot: Robot, model: ModelView, start: Snapshot, trace: Trace) -> Periods:
+        """Play the motion backwards, which takes the block into the hand again: it is not at its goal."""
+        blocks = model.of(Blocks)
+        blocks.placed = tuple(placed for placed in blocks.placed if placed is not self._placed)
+        yield from super().restore(robot, model, start, trace)
+
     def meant_contacts(self, model: WorldModel) -> Sequence[MeantContact]:
         """Return the intended contacts of the hand with the block, and of the block with its supports."""
         own, plan = MeantContact("hand", name_of_block(self.number)), model.of(Blocks).building
@@ -131,7 +140,7 @@ class Stack(ActionPrimitive):
 
     def _goal(self, plan: Building) -> LevelPose:
         if self.onto == "robot":
-            return plan.seat(self.number)
+            return seat(plan, self.number)
         if self.number > len(plan.goals):
             raise Discrepancy(
                 f"the plan has {len(plan.goals)} goals, none for block {self.number}",

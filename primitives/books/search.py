@@ -181,8 +181,9 @@ class Search(ActionPrimitive):
             try:
                 yield from move_straight(robot, base_T_hand, self._held, self._around)
                 return
-            except Discrepancy:
-                pass  # no straight line is free: the path is planned instead
+            except Discrepancy as no_line:
+                if no_line.cause is not causes.NO_ARM_PATH:
+                    raise
         yield from move_to_pose(robot, base_T_hand, self._held, self._around)
 
     def _see(self, robot: Robot, reader: LabelReader) -> Generator[None, None, None]:

@@ -81,6 +81,18 @@ def test_a_landmark_out_of_view_is_searched_for(x: float, y: float) -> None:
         assert fixed.pose.distance(scene_of(rig).base) < 0.003
 
 
+def test_an_arm_that_is_stopped_while_it_searches_is_a_fail() -> None:
+    """It is not taken for a view out of reach, after which the next one is tried."""
+    with at_the_wall(seed=1) as rig:
+        moved_base(rig, 0.11, 0.0, 0.05)
+        arm: Any = rig.robot.arm
+        joints = arm.joints
+        arm.joints = lambda: joints() + (0.3 if 2.2 < rig.robot.time < 2.3 else 0.0)
+        outcome = rig.do(Fixate(landmark="stacking"))
+    assert isinstance(outcome, Fail), outcome
+    assert outcome.reason == "something stops the arm"
+
+
 def world_without(path: Path, landmark: bool) -> Path:
     """The world without its landmark, or with something else in its place."""
     text = (TASK / "unload_world.yaml").read_text(encoding="utf-8")

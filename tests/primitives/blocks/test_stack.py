@@ -19,6 +19,7 @@ from handcart.primitives.blocks.building import Building
 from handcart.primitives.blocks.fixate import Fixate
 from handcart.primitives.blocks.pick_up_block import PickUpBlock
 from handcart.primitives.blocks.stack import Stack
+from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.attempt import attempt
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.outcomes.discrepancy import Discrepancy
@@ -229,6 +230,43 @@ def test_a_block_moved_once_placed_is_seen(aside: float, turned: float, words: s
         )
     assert not isinstance(outcome, Success)
     assert words in outcome.reason
+
+
+def stop_arm(rig: Rig) -> None:
+    """Let something stop the arm for half a second."""
+    arm: Any = rig.robot.arm
+    joints, until = arm.joints, rig.robot.time + 0.5
+    arm.joints = lambda: joints() + (0.3 if rig.robot.time < until else 0.0)
+
+
+def test_block_taken_back_from_its_goal_is_not_known_there() -> None:
+    """The arm is stopped on its way home, when the block was already seen at its goal."""
+    with with_block(at_the_wall()) as rig:
+        blocks, stack = rig.model.of(Blocks), Stack(number=1, onto="goal", method="fix_once", stow=True)
+        outcome = do_when(rig, stack, lambda _: bool(blocks.placed), lambda _: stop_arm(rig))
+        assert isinstance(outcome, Fail), outcome
+        assert scene_of(rig).held is scene_of(rig).of(BlockProps).blocks["1"]
+        assert blocks.placed == ()
+
+
+def test_block_put_back_on_the_robot_is_not_back_at_the_supply() -> None:
+    with at_the_wall() as rig:
+        rig.do(Fixate(landmark="stacking"))
+        rig.model.of(Blocks).taken = (1, 2)
+        pick = PickUpBlock(number=2, at="robot", stow=True)
+        outcome = do_when(rig, pick, lambda scene: scene.held is not None, lambda _: stop_arm(rig))
+        assert isinstance(outcome, Fail), outcome
+        assert rig.model.of(Blocks).taken == (1, 2)
+
+
+@pytest.mark.parametrize("primitive", [PickUpBlock(number=1, at="robot"), Stack(number=1, onto="robot")])
+def test_without_seats_on_the_robot_no_block_is_sought_there(primitive: ActionPrimitive) -> None:
+    with with_block(at_the_wall()) if isinstance(primitive, Stack) else at_the_wall() as rig:
+        rig.model.of(Blocks).building = building_of(rig).model_copy(update={"carried": ()})
+        outcome = rig.do(primitive)
+    assert isinstance(outcome, Fail), outcome
+    assert "the plan has no seats on the robot's own table" in outcome.reason
+    assert outcome.permanent
 
 
 def test_block_put_back_at_another_place_is_a_give_up() -> None:
