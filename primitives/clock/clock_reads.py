@@ -72,7 +72,11 @@ def reads_in(code: CodeType, named: Mapping[str, Any]) -> Iterator[ClockRead]:
             words = f"{words}.{attribute.argval}"
             if _reads(value, attribute.argval):
                 yield ClockRead(words, code.co_filename, line)
-            value = getattr(value, attribute.argval, None) if value in CLOCK_MODULES.values() else None
+            value = getattr(value, attribute.argval, None) if _is_clock_module(value) else None
+
+
+def _is_clock_module(value: Any) -> bool:
+    return any(value is module for module in CLOCK_MODULES.values())  # arrays can't be asked with ==
 
 
 def _reads(owner: Any, name: str) -> bool:

@@ -10,6 +10,7 @@ from functools import partial
 from time import monotonic
 from typing import Any
 
+import numpy as np
 import pytest
 from py_trees.behaviour import Behaviour
 from py_trees.behaviours import Success as Always
@@ -147,7 +148,17 @@ class Robotic(Leaf):
         return Status.SUCCESS if stamp and age else Status.RUNNING
 
 
-@pytest.mark.parametrize("kind", [Leaf, Robotic, Always, Timer, Sequence])
+GOAL = np.zeros(3)
+
+
+class WithArray(Leaf):
+    """Leaf with an array of the module, which has no single truth value."""
+
+    def update(self) -> Status:
+        return Status.SUCCESS if GOAL.copy().sum() else Status.RUNNING
+
+
+@pytest.mark.parametrize("kind", [Leaf, Robotic, WithArray, Always, Timer, Sequence])
 def test_a_behaviour_on_the_robots_clock_is_accepted(kind: type) -> None:
     assert wall_clock_reads(kind) == ()
 
