@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import accumulate
 from pathlib import Path
 from typing import NamedTuple
@@ -12,6 +12,14 @@ from handcart.files.errors import FileError, Finding
 from handcart.files.regular_file import BYTE_ORDER_MARK, decode_text, read_regular_file
 
 MAX_BYTES = 1 << 22
+_WORDS = {",": "commas", ";": "semicolons", "\t": "tabs"}
+
+
+class CsvLine(NamedTuple):
+    """Row of a CSV table, with the line in which it ends, from 1."""
+
+    line: int
+    cells: list[str]
 
 
 class CsvRow(NamedTuple):
@@ -41,18 +49,35 @@ def read_csv(path: Path | str, most: int, max_bytes: int = MAX_BYTES) -> Iterato
     content = read_regular_file(path, max_bytes)
     # Spreadsheets begin with one.
     text = decode_text(content.removeprefix(BYTE_ORDER_MARK), str(path))
-    reader = csv.reader(text.splitlines(keepends=True))
+    for number, (line, cells) in enumerate(csv_rows(text.splitlines(keepends=True), path)):
+        if number > most:
+            raise _refused(path, line, f"more than {most} rows; allowed: fewer")
+        starts = accumulate((len(cell) + 1 for cell in cells[:-1]), initial=1)
+        stripped = tuple(cell.strip() for cell in cells)
+        yield CsvRow(line, stripped if any(stripped) else (), tuple(starts))
+
+
+def csv_rows(
+    lines: Iterable[str], path: Path | str, before: int = 0, delimiter: str = ","
+) -> Iterator[CsvLine]:
+    """Yield the rows of CSV text, of any number and length, also empty ones.
+
+    Args:
+        lines: the lines of the table.
+        path: path of the file, named in errors.
+        before: number of lines before the table in the file.
+        delimiter: character between cells.
+
+    Raises:
+        FileError: the text is not CSV, such as a quotation mark that is not closed for long.
+    """
+    reader = csv.reader(lines, delimiter=delimiter)
     try:
-        for number, cells in enumerate(reader):
-            if number > most:
-                raise _refused(path, reader.line_num, f"more than {most} rows; allowed: fewer")
-            starts = accumulate((len(cell) + 1 for cell in cells[:-1]), initial=1)
-            stripped = tuple(cell.strip() for cell in cells)
-            yield CsvRow(reader.line_num, stripped if any(stripped) else (), tuple(starts))
+        for cells in reader:
+            yield CsvLine(before + reader.line_num, cells)
     except csv.Error as error:
-        raise _refused(
-            path, reader.line_num, f"invalid CSV: {error}; allowed: cells with commas between"
-        ) from None
+        wrong = f"invalid CSV: {error}; allowed: cells with {_WORDS.get(delimiter, delimiter)} between"
+        raise _refused(path, before + reader.line_num, wrong) from None
 
 
 def number_in(cell: str) -> float:

@@ -23,6 +23,8 @@ from .odometry_track import poses_at
 SCAN, ODOMETRY, TRANSFORMS = "sensor_msgs/msg/LaserScan", "nav_msgs/msg/Odometry", "tf2_msgs/msg/TFMessage"
 OLD_TRANSFORMS = "tf/msg/tfMessage"
 ODOM_FRAMES = ("odom", "odom_combined", "odometry")
+MAX_COORDINATE_M = 1e6
+"""Distance from the origin beyond which poses of the odometry are ignored, such as coordinates of UTM."""
 MAX_COUNT_CHANGE = 3
 """Maximum difference in beams between scans of one lidar; some drivers deliver one more or less."""
 
@@ -128,7 +130,7 @@ def _odometry(
             source in words.
 
     Raises:
-        FileError: the bag has no odometry.
+        FileError: the bag has no odometry, or none of its poses can be used.
     """
     topic = next((topic for topic, kind in bag.topics.items() if kind == ODOMETRY), None)
     messages = [message for message in bag.messages if message.topic == topic]
@@ -136,20 +138,23 @@ def _odometry(
         poses = [_planar(m.content.pose.pose.position, m.content.pose.pose.orientation) for m in messages]
         times = [_stamp(message.content.header) for message in messages]
         base = str(messages[0].content.child_frame_id).lstrip("/") or "base_link"
-        return _finite(np.array(times), np.array(poses), base, f"the topic {topic}")
+        return _finite(path, np.array(times), np.array(poses), base, f"the topic {topic}")
     for frame, rows in transforms.items():
         if rows[0][1] in ODOM_FRAMES and len(rows) > 1:
             times, poses = [row[0] for row in rows], [row[2] for row in rows]
             words = f"tf, from {rows[0][1]} to {frame}"
-            return _finite(np.array(times), np.array(poses), frame, words)
+            return _finite(path, np.array(times), np.array(poses), frame, words)
     wrong = f"no odometry in it; needed: {ODOMETRY}, or tf from {' or '.join(ODOM_FRAMES)} to the base"
     raise _refused(path, wrong)
 
 
 def _finite(
-    times: FloatArray, poses: FloatArray, base: str, words: str
+    path: Path, times: FloatArray, poses: FloatArray, base: str, words: str
 ) -> tuple[FloatArray, FloatArray, str, str]:
-    good = np.isfinite(poses).all(axis=1) & (np.abs(poses) < 1e6).all(axis=1)
+    good = np.isfinite(poses).all(axis=1) & (np.abs(poses) < MAX_COORDINATE_M).all(axis=1)
+    if not good.any():
+        wrong = f"{words}: none of {len(poses)} poses is finite and within {MAX_COORDINATE_M / 1e3:g} km"
+        raise _refused(path, f"{wrong} of the origin; needed: odometry relative to a place near the drive")
     return times[good], poses[good], base, words
 
 

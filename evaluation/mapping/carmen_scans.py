@@ -86,7 +86,7 @@ def _text(path: Path) -> str:
             )
             raise FileError([Finding(str(path), 1, 1, wrong)]) from None
         content = unpacked
-    return decode_text(content, str(path))
+    return decode_text(content, str(path), longest_line=None)
 
 
 def _numbers(words: list[str]) -> list[float]:

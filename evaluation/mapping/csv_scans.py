@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from pathlib import Path
 from typing import Annotated, Literal
@@ -10,7 +9,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from handcart.files.csv_table import number_in
+from handcart.files.csv_table import CsvLine, csv_rows, number_in
 from handcart.files.errors import FileError, Finding
 from handcart.files.findings import Findings
 from handcart.files.models.loading import Loaded, load_document
@@ -64,7 +63,9 @@ def read_csv_scans(path: Path) -> ScanLog:
     Raises:
         FileError: header or table have faults; it lists them, up to `MAX_SHOWN_CELLS` faulty cells.
     """
-    text = decode_text(read_regular_file(path, MAX_BYTES).removeprefix(BYTE_ORDER_MARK), str(path))
+    text = decode_text(
+        read_regular_file(path, MAX_BYTES).removeprefix(BYTE_ORDER_MARK), str(path), longest_line=None
+    )
     lines = text.splitlines()
     marks = [k for k, line in enumerate(lines) if line.strip() == HEADER_MARK][:2]
     if len(marks) < 2 or marks[0] != 0:
@@ -82,14 +83,13 @@ def read_csv_scans(path: Path) -> ScanLog:
 
 def _table(path: Path, lines: list[str], first: int) -> FloatArray:
     """Return the numbers (n, 4 + beams) of the table, whose titles are in line `first`, counted from 0."""
-    rows, findings = csv.reader(lines[first:]), Findings()
-    titles = [title.strip() for title in next(rows, [])]
+    rows, findings = csv_rows(lines[first:], path, first), Findings()
+    titles = [title.strip() for title in next(rows, CsvLine(0, [])).cells]
     if tuple(titles[:4]) != POSE_COLUMNS or not 2 <= len(titles) - 4 <= MAX_BEAMS:
         wrong = f"titles {', '.join(titles[:5])[:80]} ...; needed: {', '.join(POSE_COLUMNS)}, then one a beam"
         raise FileError([Finding(str(path), first + 1, 1, wrong)])
     table, last = list[list[float]](), -math.inf
-    for row in rows:
-        line = first + rows.line_num
+    for line, row in rows:
         if not any(cell.strip() for cell in row):
             continue
         if len(row) != len(titles):

@@ -227,6 +227,7 @@ def test_what_is_wrong_in_the_header_is_told(
         (20, "x,0,0,0,,,0,0,0", "no number: 'x'"),
         (20, "0,0,0,0,,,0,0,0", "time doesn't increase"),
         (20, ",0,0,0,,,0,0,0", "time doesn't increase"),
+        (20, "inf,0,0,0,,,0,0,0", "time doesn't increase"),
     ],
 )
 def test_what_is_wrong_in_the_table_is_told(
@@ -239,6 +240,36 @@ def test_what_is_wrong_in_the_table_is_told(
     said = refused(log)
     assert wrong in said
     assert f"{log}:{line}:" in said
+
+
+def test_an_open_quotation_mark_is_refused_at_its_row(tmp_path: Path, refused: Callable[..., str]) -> None:
+    log = tmp_path / "log.csv"
+    log.write_text('t,v,w\n0,"0,0\n' + "1,0,0\n" * 30_000, encoding="utf-8")
+    assert f"{log}:26216:1: invalid CSV: field larger" in refused(log, "--columns", "t=t,v=v,gyro_z=w")
+
+
+def test_infinite_readings_are_missing_ones(tmp_path: Path, drive: FieldLog) -> None:
+    log = write(tmp_path / "log.csv", drive)
+    lines = log.read_text(encoding="utf-8").splitlines()
+    read = []
+    for missing in ("", "inf"):
+        time, *_ = lines[39].split(",")
+        lines[39] = ",".join([time, *[missing] * 8])
+        log.write_text("\n".join(lines), encoding="utf-8")
+        read.append(read_csv_log(log))
+    blank, infinite = read
+    for one, other in zip(blank[:6], infinite[:6], strict=True):
+        assert np.array_equal(one, other, equal_nan=True)
+
+
+def test_times_that_are_marked_held_stay_times(tmp_path: Path, drive: FieldLog) -> None:
+    """Two rows may have one time, such as rows of two sensors."""
+    log = write(tmp_path / "log.csv", drive)
+    text = log.read_text(encoding="utf-8").replace("time: {unit: ms}", "time: {unit: ms, held: true}")
+    lines = text.splitlines()
+    lines[40] = ",".join([lines[39].split(",")[0], *lines[40].split(",")[1:]])
+    log.write_text("\n".join(lines), encoding="utf-8")
+    assert np.isfinite(read_csv_log(log).times).all()
 
 
 def test_a_csv_of_any_tool_is_played_by_its_columns(

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from pathlib import Path
 
 import numpy as np
 
 from handcart.backends.robot.localization.noise_model import beacon_errors
-from handcart.files.csv_table import number_in
+from handcart.files.csv_table import CsvLine, csv_rows, number_in
 from handcart.files.errors import FileError, Finding
 from handcart.files.findings import Findings
 from handcart.files.models.loading import Loaded, load_document
@@ -124,8 +123,8 @@ def _table(
     """Return the values (n,) of each quantity in the column's unit; `first` is the number of the first
     line.
     """
-    rows = csv.reader(lines, delimiter=delimiter)
-    titles = [title.strip() for title in next(rows, [])]
+    rows = csv_rows(lines, path, first - 1, delimiter)
+    titles = [title.strip() for title in next(rows, CsvLine(0, [])).cells]
     findings, places = Findings(), {}
     for quantity, column in header.value.columns.items():
         name = column.name or quantity
@@ -137,8 +136,7 @@ def _table(
     findings.raise_all()
     table: list[list[float]] = []
     at = list(places).index("time")
-    for row in rows:
-        line = first + rows.line_num - 1
+    for line, row in rows:
         if not any(cell.strip() for cell in row):
             continue
         if len(row) != len(titles):
@@ -164,7 +162,7 @@ def _number(row: list[str], place: int, path: Path, line: int, findings: Finding
         findings.add(
             Finding(str(path), line, column, f"no number: {cell[:40]!r}; allowed: a number, or nothing")
         )
-    return value
+    return value if math.isfinite(value) else math.nan  # also of "inf": nothing was measured
 
 
 def _log(values: dict[str, FloatArray], header: LogHeader) -> DriveLog:
@@ -235,7 +233,7 @@ def _take_out_held(values: dict[str, FloatArray], header: LogHeader) -> None:
     equal accuracies of new fixes are usual.
     """
     together = (*_PLACES[:2], ("true_x", "true_y", *_TRUE, "true_heading"))
-    others = values.keys() - {name for names in together for name in names} - {"gps_sigma"}
+    others = values.keys() - {name for names in together for name in names} - {"gps_sigma", "time"}
     for names in (*together, *((name,) for name in sorted(others))):
         held = [values[name] for name in names if name in values and header.columns[name].held]
         if held:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from handcart.evaluation.mapping.bag_scans import read_bag_scans
+from handcart.files.errors import FileError
 from handcart.robotics.geometry.pose2 import Pose2
 
 pytest.importorskip("rosbags", reason="bags are read by the extra `bags`")
@@ -28,8 +29,10 @@ def turned(heading: float, is_flipped: bool) -> tuple[float, float, float, float
     return (w, z, 0.0, 0.0) if is_flipped else (0.0, 0.0, z, w)
 
 
-def write_bag(path: Path, is_flipped: bool) -> None:
-    """Write two scans, at 0.5 s and 1.0 s, odometry at 0, 1 and 2 s, and the mounting on tf_static."""
+def write_bag(path: Path, is_flipped: bool, east: float = 0.0) -> None:
+    """Write two scans, at 0.5 s and 1.0 s, odometry at 0, 1 and 2 s, `east` of its origin in [m], and the
+    mounting on tf_static.
+    """
     from rosbags.rosbag2 import Writer
     from rosbags.typesys import Stores, get_typestore
 
@@ -67,7 +70,7 @@ def write_bag(path: Path, is_flipped: bool) -> None:
         )
         for when, (ox, oy, turn) in enumerate(ODOMETRY):
             there = kinds["geometry_msgs/msg/PoseWithCovariance"](
-                pose(ox, oy, turned(turn, False)), np.zeros(36)
+                pose(ox + east, oy, turned(turn, False)), np.zeros(36)
             )
             write(1, float(when), kinds[names[1]](header(float(when), "odom"), "base", there, still))
         # Seen from above, the beams of a lidar that is upside down run clockwise.
@@ -100,3 +103,11 @@ def test_odometry_of_a_topic_is_read_at_the_scans_times(tmp_path: Path) -> None:
     assert log.times.tolist() == [0.0, 0.5]
     assert log.odometry == pytest.approx(np.array([[0.25, 0.125, 0.05], [0.5, 0.25, 0.1]]))
     assert "odometry: the topic /odom" in log.notes
+
+
+@pytest.mark.parametrize("east", [math.nan, 5.2e6])
+def test_odometry_without_a_usable_pose_is_refused(tmp_path: Path, east: float) -> None:
+    """As of an estimator that never began, and of one in coordinates of UTM."""
+    write_bag(tmp_path / "bag", False, east)
+    with pytest.raises(FileError, match=r"topic /odom: none of 3 poses is finite and within 1000 km"):
+        read_bag_scans(tmp_path / "bag")

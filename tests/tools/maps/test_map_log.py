@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from benchmarks.driving.box_ranges import box_ranges
-from handcart.evaluation.mapping.csv_scans import HEADER_MARK, POSE_COLUMNS
+from handcart.evaluation.mapping.csv_scans import HEADER_MARK, POSE_COLUMNS, read_csv_scans
 from handcart.evaluation.trials.running import run_task
 from handcart.files.maps.map_file import load_map
 from handcart.networks.runs.run_options import RunOptions
@@ -149,6 +149,7 @@ def test_two_rooms_alike_are_not_taken_for_one(tmp_path: Path, capsys: pytest.Ca
         (HEADER + TITLES + "1,0,0,0,1,2,3\n1,0,0,0,1,2,3\n", r"a\.csv:7:1: time does not increase"),
         (HEADER + TITLES + "0,0,0,0,,,\n1,0,0,0,,,\n", r"a\.csv: no beam of any scan hit anything"),
         (HEADER + TITLES + "0,0,0,0,1,2,3\n1,90,0,0,1,2,3\n", r"a\.csv: the odometry jumps by 90\.0 m"),
+        (HEADER + TITLES + '0,0,0,0,"' + "1,2\n" * 60_000, r"a\.csv:\d+:1: invalid CSV: field larger than"),
         (HEADER.replace("reach_m", "reech_m") + TITLES, r"a\.csv:3:\d+: .*reech_m.*did you mean 'reach_m'"),
         (HEADER.replace("90, r", "-95, r") + TITLES, r"a\.csv:3:\d+: last_deg is -95; allowed: more than"),
     ],
@@ -162,6 +163,14 @@ def test_bad_csv_is_refused_at_its_place(
     assert re.search(said, error), error
     assert "Traceback" not in error
     assert not (tmp_path / "map").exists()
+
+
+@pytest.mark.parametrize("beams", [3, 6000])
+def test_scans_of_any_number_of_beams_are_read(tmp_path: Path, beams: int) -> None:
+    titles = ",".join(["time_s,x_m,y_m,heading_rad", *(f"r{k}" for k in range(beams))])
+    rows = [",".join([f"{time},0,0,0", *["1.234"] * beams]) for time in (0, 1)]
+    (tmp_path / "a.csv").write_text("\n".join([HEADER + titles, *rows]))
+    assert read_csv_scans(tmp_path / "a.csv").ranges.tolist() == [[1.234] * beams] * 2
 
 
 def test_missing_log_and_unknown_kind_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
