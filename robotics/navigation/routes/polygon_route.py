@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from handcart.robotics.geometry.footprint import Footprint
-from handcart.robotics.navigation.maps.blocked_squares import path_clearance
+from handcart.robotics.navigation.maps.blocked_squares import BlockedSquares, blocked_squares, path_clearance
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -39,6 +39,7 @@ def polygon_routing(
     start: tuple[float, float],
     goal: tuple[float, float],
     settings: RouteSettings,
+    squares: BlockedSquares | None = None,
 ) -> Generator[None, None, Route | None]:
     """Return a route along which a polygonal robot, turned in the direction of travel, has room; None without
     one.
@@ -56,10 +57,12 @@ def polygon_routing(
         start: x and y on the map, in [m].
         goal: x and y on the map, in [m].
         settings: clearance, distance of start and goal from the free space, and rounding of corners.
+        squares: blocked squares of the map, if they are known already.
     """
+    squares = blocked_squares(grid.blocked) if squares is None else squares
     for may_be_tight in (False, True):
         for off in CELL_CENTRES:
-            route = yield from _routing_with(grid, shape, start, goal, settings, (off, may_be_tight))
+            route = yield from _routing_with(grid, squares, shape, start, goal, settings, off, may_be_tight)
             if route is not None:
                 return route
     return None
@@ -67,19 +70,21 @@ def polygon_routing(
 
 def _routing_with(
     grid: GridMap,
+    squares: BlockedSquares | None,
     shape: Footprint,
     start: tuple[float, float],
     goal: tuple[float, float],
     settings: RouteSettings,
-    cells: tuple[float, bool],
+    off_cells: float,
+    may_be_tight: bool,
 ) -> Generator[None, None, Route | None]:
-    """Return a route; `cells`: how far those of its graph may be off a middle, and whether narrow
+    """Return a route; `off_cells`: how far the cells of its graph may be off a middle; `may_be_tight`: narrow
     places are passed straight through their middle.
     """
     for _ in range(MAX_TRIES):
         try:
-            need = shape.inscribed + settings.room - cells[0] * grid.resolution
-            graph = voronoi_graph(grid, need, seed_point=start)
+            need = shape.inscribed + settings.room - off_cells * grid.resolution
+            graph = voronoi_graph(grid, need, start, squares)
         except ValueError:
             return None
         yield
@@ -94,10 +99,10 @@ def _routing_with(
             yield
         assert route is not None
         assert spot is not None
-        straight = _straight_route(graph, shape, route, spot, settings.room) if cells[1] else None
+        straight = _straight_route(graph, shape, route, spot, settings.room) if may_be_tight else None
         if straight is not None:
             return straight
-        grid = grid.with_points(spot[None])
+        grid, squares = grid.with_points(spot[None]), None
         yield
     return None
 

@@ -144,7 +144,7 @@ class Replanner:
             return RouteLook("kept", old.points, free, None, speeds)  # it is what the rest of that plan is
         if grid.occupied.size > STEP_CELLS:
             yield
-        plan = yield from self._planning(grid, start, goal, front, head, usual)
+        plan = yield from self._planning(grid, squares, start, goal, front, head, usual)
         self._planned_on = squares
         if old is not None and (plan is None or (is_free and not plan.is_worth(old.points))):
             return RouteLook("kept" if is_free else "none", old.points, free, obstacle, speeds)
@@ -163,6 +163,7 @@ class Replanner:
     def _planning(
         self,
         grid: GridMap,
+        squares: BlockedSquares,
         start: Pose2,
         goal: Pose2,
         front: FloatArray | None,
@@ -177,7 +178,7 @@ class Replanner:
         found: _Plan | None = None
         narrowest = () if self._shape.is_disc else (narrowest_room(grid),)
         for room in (*self._rooms, *narrowest):
-            ways = Ways(grid, self._shape, begin, room=room, rounding=self._rounding)
+            ways = Ways(grid, self._shape, begin, room=room, rounding=self._rounding, squares=squares)
             if front is None:
                 route = yield from ways.routing_to(goal)
             else:

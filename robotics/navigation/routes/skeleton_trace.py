@@ -150,14 +150,33 @@ def prune_leaves(cells: IntArray, links: ByteArray, width: int, touching: BoolAr
         (m,) flat indices of the remaining cells.
     """
     before = trace(cells, links, width)
-    keep = np.ones(len(cells), dtype=np.bool_)
-    degree = LINK_COUNTS[links]
-    for low, high in zip(before.first[:-1], before.first[1:], strict=True):
-        run = before.cells[low:high]
-        run = run if degree[run[-1]] == 1 else run[::-1]
-        if degree[run[-1]] == 1 and degree[run[0]] >= 3 and touching[run[-1]]:
-            towards = int(np.flatnonzero(neighbour_steps(width) == run[1] - run[0])[0])
-            links[run[0]] &= 255 - (1 << towards)
-            links[run[1:]] = 0
-            keep[np.searchsorted(cells, run[1:])] = False
-    return cells[keep]
+    gone = np.zeros(links.size, dtype=np.uint8)
+    _prune(before.cells, before.first, links.copy(), links, touching, gone, neighbour_steps(width))
+    return np.asarray(cells[gone[cells] == 0])
+
+
+@compiled
+def _prune(
+    cells: IntArray,
+    first: IntArray,
+    before: ByteArray,
+    links: ByteArray,
+    touching: BoolArray,
+    gone: ByteArray,
+    steps: IntArray,
+) -> None:
+    """Unlink the edges that end at an obstacle, and mark their cells in `gone`; `before`: a copy of links."""
+    for i in range(first.size - 1):
+        low, high = first[i], first[i + 1] - 1
+        if LINK_COUNTS[before[cells[high]]] != 1:
+            low, high = high, low
+        is_leaf = LINK_COUNTS[before[cells[high]]] == 1 and LINK_COUNTS[before[cells[low]]] >= 3
+        if not is_leaf or not touching[cells[high]]:
+            continue
+        step = 1 if high > low else -1
+        for k in range(8):
+            if steps[k] == cells[low + step] - cells[low]:
+                links[cells[low]] &= 255 - (1 << k)
+        for at in range(low + step, high + step, step):
+            links[cells[at]] = 0
+            gone[cells[at]] = 1

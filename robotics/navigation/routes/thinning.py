@@ -17,7 +17,6 @@ import numpy as np
 from handcart.robotics.numerics.arrays import (
     BoolArray,
     ByteArray,
-    FloatArray,
     Int32Array,
     IntArray,
     SingleArray,
@@ -63,32 +62,43 @@ def neighbour_steps(width: int) -> IntArray:
     return np.array([1, width + 1, width, width - 1, -1, -width - 1, -width, -width + 1], dtype=np.int64)
 
 
-def _nearest_first(distance: SingleArray, free: ByteArray, levels: int) -> Int32Array:
+@compiled
+def _nearest_first(distance: SingleArray, free: ByteArray) -> Int32Array:
     """Return flat indices (n,) of the free cells by growing distance, ties in raster order."""
-    cells = np.flatnonzero(free.view(np.bool_)).astype(np.int32)  # numpy finds ones of booleans faster
-    # NumPy sorts numbers of 16 bits in one pass.
-    kind = np.uint16 if levels <= np.iinfo(np.uint16).max else np.int64
-    level = (distance[cells].astype(np.float64) * LEVELS_PER_CELL).astype(kind)
-    return cells[np.argsort(level, kind="stable")]
+    farthest = np.float64(0.0)
+    for cell in range(free.size):
+        if free[cell]:
+            farthest = max(farthest, np.float64(distance[cell]))
+    first = np.zeros(int(farthest * LEVELS_PER_CELL) + 2, dtype=np.int64)
+    for cell in range(free.size):
+        if free[cell]:
+            first[int(np.float64(distance[cell]) * LEVELS_PER_CELL) + 1] += 1
+    for level in range(1, first.size):
+        first[level] += first[level - 1]
+    order = np.empty(first[-1], dtype=np.int32)
+    for cell in range(free.size):
+        if free[cell]:
+            level = int(np.float64(distance[cell]) * LEVELS_PER_CELL)
+            order[first[level]] = cell
+            first[level] += 1
+    return order
 
 
-def _ridges(distance: SingleArray, free: ByteArray, width: int) -> ByteArray:
-    """Return a mask (h * w,) of cells between two obstacles: ridges of the distance.
+@compiled
+def _ridges(distance: SingleArray, order: Int32Array, steps: IntArray, size: int) -> ByteArray:
+    """Return a mask (size,) of cells between two obstacles: ridges of the distance.
 
     It rises less than `MAX_RIDGE_SLOPE` from there to all sides.
     """
-    inner = slice(width + 1, free.size - width - 1)
-
-    def steepest(*steps: int) -> FloatArray:
-        beside = [distance[inner.start + step : inner.stop + step] for step in steps]
-        return np.asarray(np.maximum.reduce(beside) - distance[inner], dtype=np.float64)
-
-    ridges = np.zeros(free.size, dtype=np.uint8)
-    ridges[inner] = (
-        (free[inner] != 0)
-        & (steepest(1, -1, width, -width) < MAX_RIDGE_SLOPE)
-        & (steepest(width + 1, width - 1, 1 - width, -1 - width) < MAX_RIDGE_SLOPE * SQRT_2)
-    )
+    ridges = np.zeros(size, dtype=np.uint8)
+    for cell in order:
+        beside, corner = distance[cell + steps[0]], distance[cell + steps[1]]
+        for k in range(2, 8, 2):
+            beside = max(beside, distance[cell + steps[k]])
+            corner = max(corner, distance[cell + steps[k + 1]])
+        own = distance[cell]
+        if beside - own < MAX_RIDGE_SLOPE and corner - own < MAX_RIDGE_SLOPE * SQRT_2:
+            ridges[cell] = 1
     return ridges
 
 
@@ -96,8 +106,7 @@ def _ridges(distance: SingleArray, free: ByteArray, width: int) -> ByteArray:
 def _removable(state: ByteArray, cell: np.int64, steps: IntArray, table: BoolArray) -> bool:
     code = 0
     for k in range(8):
-        if state[cell + steps[k]]:
-            code |= 1 << k
+        code |= (state[cell + steps[k]] != 0) << k
     return bool(table[code])
 
 
@@ -109,22 +118,29 @@ def _peel(
     steps: IntArray,
     table: BoolArray,
 ) -> None:
-    """Remove cells in order; a cell that was kept (2) is tested again when a neighbour is removed."""
-    waiting = [np.int64(0)]
-    waiting.clear()
+    """Remove cells in order; a cell that was kept (2) is tested again when a neighbour is removed.
+
+    The kept cells have the state 1 at the end.
+    """
+    waiting = np.empty(8 * order.size + 1, dtype=np.int32)  # each removal adds 8 cells at most
     for first in order:
         if fixed[first] or not state[first]:
             continue
         state[first] = 2
-        waiting.append(np.int64(first))
-        while waiting:
-            cell = waiting.pop()
+        waiting[0], count = first, 1
+        while count:
+            count -= 1
+            cell = np.int64(waiting[count])
             if state[cell] == 2 and _removable(state, cell, steps, table):
                 state[cell] = 0
                 for k in range(8):
                     neighbour = cell + steps[k]
                     if state[neighbour] == 2:
-                        waiting.append(neighbour)
+                        waiting[count] = neighbour
+                        count += 1
+    for cell in order:
+        if state[cell] == 2:
+            state[cell] = 1
 
 
 def thin(free: BoolArray, distance: SingleArray) -> BoolArray:
@@ -137,13 +153,10 @@ def thin(free: BoolArray, distance: SingleArray) -> BoolArray:
         free: (h, w) mask, False all along the border.
         distance: (h, w) distance of each cell to the nearest obstacle, in [cells].
     """
-    levels = int(float(distance.max(initial=0.0)) * LEVELS_PER_CELL) + 2
     flat = np.ascontiguousarray(distance).ravel()
     state = free.astype(np.uint8).ravel()
-    order = _nearest_first(flat, state, levels)
-    ridges = _ridges(flat, state, free.shape[1])
-    steps = neighbour_steps(free.shape[1])
+    order, steps = _nearest_first(flat, state), neighbour_steps(free.shape[1])
+    ridges = _ridges(flat, order, steps, free.size)
     _peel(state, order, ridges, steps, SIMPLE_TABLE)
-    state = (state != 0).astype(np.uint8)
-    _peel(state, order[state[order] != 0], np.zeros_like(state), steps, REMOVABLE_TABLE)
-    return np.asarray(state.reshape(free.shape) != 0)
+    _peel(state, order, np.zeros_like(state), steps, REMOVABLE_TABLE)
+    return state.reshape(free.shape).view(np.bool_)

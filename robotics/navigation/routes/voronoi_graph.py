@@ -125,7 +125,10 @@ class VoronoiGraph:
 
 
 def voronoi_graph(
-    grid: GridMap, radius: float, seed_point: tuple[float, float] | None = None
+    grid: GridMap,
+    radius: float,
+    seed_point: tuple[float, float] | None = None,
+    squares: BlockedSquares | None = None,
 ) -> VoronoiGraph:
     """Return the Voronoi graph of a map for a disc-shaped robot: the ways through the middle of the free
     space.
@@ -135,11 +138,12 @@ def voronoi_graph(
         radius: robot's radius, in [m]; obstacles are grown by it.
         seed_point: (x, y) in [m]; the graph is built in the connected free area at or nearest to this point;
             None: in the largest area.
+        squares: blocked squares of the map, if they are known already.
 
     Raises:
         ValueError: no cell is left free for a robot of this radius.
     """
-    squares = blocked_squares(grid.blocked)
+    squares = blocked_squares(grid.blocked) if squares is None else squares
     distance = squares.distance
     need = max(radius / grid.resolution * (1.0 - 2.0 * DISTANCE_TOLERANCE), TOUCHING_CELLS)
     free = _component(
@@ -191,14 +195,15 @@ def _component(free: BoolArray, grid: GridMap, seed_point: tuple[float, float] |
     if seed_point is None:
         _, labels, stats, _ = cv2.connectedComponentsWithStats(free.view(np.uint8), connectivity=8)
         return np.asarray(labels == 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA])))
-    _, labels = cv2.connectedComponents(free.view(np.uint8), connectivity=8)
     row, column = (grid.to_cell(np.array([seed_point]))[0] + 1).tolist()
     is_inside = 0 <= row < free.shape[0] and 0 <= column < free.shape[1]
     if not is_inside or not free[row, column]:
         rows, columns = np.nonzero(free)
         nearest = int(np.argmin((rows - row) ** 2 + (columns - column) ** 2))
         row, column = rows[nearest], columns[nearest]
-    return np.asarray(labels == labels[row, column])
+    filled = free.astype(np.uint8)
+    cv2.floodFill(filled, None, (int(column), int(row)), 2, flags=8)  # 8-connected
+    return np.asarray(filled == 2)
 
 
 def _network(grid: GridMap, table: EdgeTable, clearance: SingleArray) -> nx.MultiGraph:

@@ -12,6 +12,7 @@ import numpy as np
 
 from handcart.robotics.geometry.footprint import Footprint
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.blocked_squares import BlockedSquares
 from handcart.robotics.navigation.maps.clearances import Clearances
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.polygon_route import RouteSettings, polygon_routing
@@ -104,6 +105,7 @@ class Ways:
         sensed: FloatArray = NO_POINTS,
         room: float | None = None,
         rounding: float = 1.0,
+        squares: BlockedSquares | None = None,
     ) -> None:
         """Prepare routes on a map.
 
@@ -118,6 +120,7 @@ class Ways:
                 `narrowest_room` of a polygon); below zero where cells are coarse and what they hold is
                 narrower than they are.
             rounding: length of corners, as a multiple of the usual one; more for faster robots.
+            squares: blocked squares of the map without `sensed`, if they are known already.
         """
         self._shape = radius if isinstance(radius, Footprint) else Footprint(radius)
         self._grid, self._radius, self._start = (
@@ -128,6 +131,7 @@ class Ways:
         usual = ROUTE_ROOM_M if self._shape.is_disc else narrowest_room(grid)
         self._room, self._rounding = usual if room is None else room, rounding
         self._grown = grid.with_points(sensed, SENSED_ROOM)
+        self._squares = None if len(sensed) else squares
 
     def to(self, goal: Pose2 | tuple[float, float], front: FloatArray | None = None) -> Way:
         """Return the clearance at a goal and the route to it, or the reason why there is no route.
@@ -166,7 +170,7 @@ class Ways:
         """
         there = (goal[0], goal[1])
         if not self._shape.is_disc:
-            route = yield from polygon_routing(self._grown, self._shape, self._start, there, self._settings)
+            route = yield from self._routing_of_polygon(there)
         else:
             route = None if self._graph is None else self._planned(there)
         if route is None or route.clearance[-1] < self._needed - 1e-9:
@@ -211,11 +215,11 @@ class Ways:
         assert self._graph is not None
         if self._shape.is_disc:
             return plan_route(self._graph, self._start, goal, self._reach, rounding=self._rounding)
-        return finish(polygon_routing(self._grown, self._shape, self._start, goal, self._settings))
+        return finish(self._routing_of_polygon(goal))
 
-    @property
-    def _settings(self) -> RouteSettings:
-        return RouteSettings(self._room + self._unsure, self._reach, self._rounding)
+    def _routing_of_polygon(self, goal: tuple[float, float]) -> Generator[None, None, Route | None]:
+        settings = RouteSettings(self._room + self._unsure, self._reach, self._rounding)
+        return polygon_routing(self._grown, self._shape, self._start, goal, settings, self._squares)
 
     def _standing(self, goal: tuple[float, float], front: FloatArray | None = None) -> Way:
         """Return the clearance at a goal, with "too near" as reason if the robot does not fit."""
@@ -315,9 +319,8 @@ class Ways:
     @cached_property
     def _graph(self) -> VoronoiGraph | None:
         try:
-            return voronoi_graph(
-                self._grown, self._radius + self._room + self._unsure, seed_point=self._start
-            )
+            room = self._radius + self._room + self._unsure
+            return voronoi_graph(self._grown, room, self._start, self._squares)
         except ValueError:
             return None
 
