@@ -27,6 +27,7 @@ from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.place_name import PlaceName
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight, move_to_joints
+from handcart.primitives.motions.felt_force import awaited_force
 from handcart.primitives.motions.grip import hand_to_tips
 from handcart.primitives.motions.pushing import Pushed, push, relax
 from handcart.primitives.motions.taught import taught_postures
@@ -239,7 +240,7 @@ def _yield_aside(robot: Robot) -> Generator[None, None, float]:
     """Let the hand yield to the slot's sides until they hardly press; return its way to the left, in [m]."""
     start = robot.arm_model.forward(robot.arm.command())
     aside = 0.0
-    while abs(aside) < MOST_ASIDE and abs(force := float(robot.arm.hand_force()[1])) > SIDE_FORCE:
+    while abs(aside) < MOST_ASIDE and abs(force := float((yield from awaited_force(robot))[1])) > SIDE_FORCE:
         aside += math.copysign(ASIDE, force)
         yield from push(robot, start @ transform((0.0, aside, 0.0)), INSERT_SPEED_M_S, np.inf)
     return aside

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.motions.felt_force import awaited_force
 from handcart.primitives.motions.pushing import relax
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.transform import Transform
@@ -77,7 +78,7 @@ def measured_bias(robot: Robot) -> Generator[None, None, FloatArray]:
     yield from settle(robot)
     forces: list[FloatArray] = []
     for _ in range(BIAS_PERIODS):
-        forces.append(_force(robot))
+        forces.append((yield from _force(robot)))
         yield
     return np.asarray(np.mean(forces, axis=0))
 
@@ -93,7 +94,7 @@ def yield_to_force(robot: Robot, bias: FloatArray) -> Generator[None, None, None
     """
     yield from relax(robot)
     for _ in range(RELAX_PERIODS):
-        give = GIVES_AT_REST_M_S_N * (_force(robot) - bias)
+        give = GIVES_AT_REST_M_S_N * ((yield from _force(robot)) - bias)
         _step(robot, np.concatenate([_at_most(give, MAX_GIVING_M_S), np.zeros(3)]))
         yield
     yield from relax(robot)
@@ -127,9 +128,10 @@ def pull(
     speed, strongest, over = 0.0, 0.0, 0
     travels: list[float] = []
     stiffness = Stiffness(MAX_PULL_N, MAX_FORCE_N)
-    ending, force = PullEnding.REACHED, _force(robot) - bias
+    ending, force = PullEnding.REACHED, (yield from _force(robot)) - bias
     while True:
-        bar, force, before = measured_bar(robot, grip), _force(robot) - bias, force
+        before, force = force, (yield from _force(robot)) - bias
+        bar = measured_bar(robot, grip)
         moved.add(bar)
         if float(np.linalg.norm(bar - points[-1])) >= POINT_SPACING_M:
             points.append(bar)
@@ -188,9 +190,10 @@ def _apart(points: FloatArray) -> FloatArray:
     return np.array(kept)
 
 
-def _force(robot: Robot) -> FloatArray:
+def _force(robot: Robot) -> Generator[None, None, FloatArray]:
     """Return the measured force (3,) on the hand, rotated into the base frame, in [N]."""
-    return np.asarray(robot.base_T("hand")[:3, :3] @ robot.arm.hand_force())
+    force = yield from awaited_force(robot)
+    return np.asarray(robot.base_T("hand")[:3, :3] @ force)
 
 
 def _turn_rate(robot: Robot, first: Transform, turned: float) -> FloatArray:

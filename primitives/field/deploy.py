@@ -24,6 +24,7 @@ from handcart.primitives.field import field_causes
 from handcart.primitives.field.target import TargetName
 from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.motions.felt_force import awaited_force
 from handcart.primitives.motions.grip import open_to
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
@@ -347,7 +348,8 @@ class Deploy(TreePrimitive):
         for _ in range(LIFT_MAX_TRIES):
             for _ in arm.lead(place):
                 yield
-                if (force := float(np.linalg.norm(robot.arm.hand_force()))) > TOUCH_FORCE_N:
+                force = float(np.linalg.norm((yield from awaited_force(robot))))
+                if force > TOUCH_FORCE_N:
                     break
             else:
                 return

@@ -11,6 +11,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.field import field_causes
 from handcart.primitives.motions.arm_motion import collision_model, follow
+from handcart.primitives.motions.felt_force import awaited_force
 from handcart.primitives.motions.grip import close, hand_to_tips, open_to
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
@@ -234,7 +235,7 @@ class SensorArm:
             joints[2] = at + max(-step, min(step, goal - at))
             robot.arm.move(joints)
             yield
-            force = -float(robot.arm.hand_force()[0])
+            force = -float((yield from awaited_force(robot))[0])
             if goal > at and force > TOUCH_FORCE_N:
                 return force
         return 0.0
@@ -248,7 +249,7 @@ class SensorArm:
         share = min(1.0, robot.period / FORCE_SMOOTHING_S)
         while free < FREE_TIME_S and gone < MAX_YIELD_M:
             yield
-            push += share * (float(robot.arm.hand_force()[1]) - push)
+            push += share * (float((yield from awaited_force(robot))[1]) - push)
             free = free + robot.period if abs(push) <= LEANING_FORCE_N else 0.0
             if not free:
                 gone += GIVES_WAY * robot.period

@@ -17,6 +17,8 @@ from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.manipulation.motions.motion_planner import plan_straight
 from handcart.robotics.numerics.arrays import FloatArray
 
+from .felt_force import awaited_force
+
 
 class Pushed(NamedTuple):
     """Result of a push by the hand: the largest force, and whether a resistance above the limit has stopped
@@ -50,7 +52,7 @@ def push(
         enough: function called every period; the push stops as soon as it returns True.
 
     Raises:
-        Discrepancy: the arm cannot move the hand along that line.
+        Discrepancy: the arm cannot move the hand along that line, or the force on it is not measured.
     """
     arm = robot.arm_model
     path = plan_straight(arm, robot.arm.command(), base_T_goal, step=speed * robot.period)
@@ -66,7 +68,7 @@ def push(
     for joints in path[1:]:
         robot.arm.move(joints)
         yield
-        resistance = float(-along @ robot.arm.hand_force())
+        resistance = float(-along @ (yield from awaited_force(robot)))
         strongest = max(strongest, resistance)
         if resistance > most:
             return Pushed(True, strongest)

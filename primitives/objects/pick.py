@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator, Sequence
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import PrivateAttr
@@ -18,6 +18,7 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive, Perio
 from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight
+from handcart.primitives.motions.felt_force import awaited_force
 from handcart.primitives.motions.grip import close, holds, open_to, width_off
 from handcart.primitives.motions.pushing import push
 from handcart.primitives.objects.files.object_kind import ObjectKind
@@ -288,8 +289,8 @@ class Pick(ActionPrimitive):
 
     def _close_on(
         self, robot: Robot, model: ModelView, kind: ObjectKind, plan: PlannedGrasp, base_T_object: Transform
-    ) -> Generator[None, None, float]:
-        """Go to the object and close the fingers on it; return the weight of the empty hand, in [N]."""
+    ) -> Generator[None, None, _Weighing]:
+        """Go to the object and close the fingers on it; return the force on the empty hand."""
         target = kind.body(name_in_world(self.object)).seen_from(base_T_object)
         around = (*self._beside, target)
         yield from open_to(robot, plan.grasp.width + OPENING_CLEARANCE_M)
@@ -309,14 +310,17 @@ class Pick(ActionPrimitive):
             raise Discrepancy(wrong, measured=off, cause=causes.NOT_HELD)
         return empty
 
-    def _weigh(self, robot: Robot, kind: ObjectKind, empty: float) -> Periods:
+    def _weigh(self, robot: Robot, kind: ObjectKind, empty: _Weighing) -> Periods:
         """Compare the force on the hand before the fingers closed and after the lift with the weight."""
-        felt = (yield from _felt_weight(robot)) - empty
+        loaded = yield from _felt_weight(robot)
+        felt = loaded.newtons - empty.newtons
         self.found(weight_n=round(felt, 2))
         if kind.mass_kg is None:
             return
         weight = GRAVITY_M_S2 * kind.mass_kg
         off, most = abs(felt - weight), max(MIN_WEIGHT_ERROR_N, MAX_WEIGHT_ERROR_SHARE * weight)
+        if off > most and loaded.stands_still and not empty.stands_still:
+            raise Discrepancy("the reading of the force stands still", cause=causes.SENSOR_FAULT)
         if off > most:
             wrong = Measured("Arm", f"felt weight off that of {self.object}", off, most, "N")
             raise Discrepancy(
@@ -346,11 +350,22 @@ def _alike(one: PlannedGrasp, other: PlannedGrasp) -> bool:
     return a.face == b.face and same_turn and bool(abs(a.box_T_hand[:3, 1] @ b.box_T_hand[:3, 1]) > 0.9)
 
 
-def _felt_weight(robot: Robot) -> Generator[None, None, float]:
-    """Return the downward force on the hand at rest, in [N], the mean of some readings."""
+class _Weighing(NamedTuple):
+    """Downward force on the hand at rest."""
+
+    newtons: float
+    """Mean of some readings, in [N]."""
+    stands_still: bool
+    """True if all readings are the same."""
+
+
+def _felt_weight(robot: Robot) -> Generator[None, None, _Weighing]:
+    """Return the downward force on the hand at rest."""
     yield from settle(robot)
-    forces: list[FloatArray] = []
+    readings: list[FloatArray] = []
+    down: list[float] = []
     for _ in range(WEIGHING_PERIODS):
-        forces.append(robot.base_T("hand")[:3, :3] @ robot.arm.hand_force())
+        readings.append((yield from awaited_force(robot)))
+        down.append(-float((robot.base_T("hand")[:3, :3] @ readings[-1])[2]))
         yield
-    return -float(np.mean([force[2] for force in forces]))
+    return _Weighing(float(np.mean(down)), not np.ptp(readings, axis=0).any())

@@ -19,6 +19,7 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive, Perio
 from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.motions.arm_motion import move_straight
+from handcart.primitives.motions.felt_force import awaited_force
 from handcart.primitives.motions.grip import open_to
 from handcart.primitives.motions.pushing import push, relax
 from handcart.primitives.objects.files.object_kind import ObjectKind
@@ -263,8 +264,7 @@ class PlaceObject(ActionPrimitive):
     def _lower(self, robot: Robot, base_T_hand: Transform) -> Periods:
         """Go down until the object touches; the forces are those beyond its weight."""
         yield from settle(robot)
-        down = -(robot.base_T("hand")[:3, :3] @ robot.arm.hand_force())[2]
-        weight = float(down)
+        weight = -float((robot.base_T("hand")[:3, :3] @ (yield from awaited_force(robot)))[2])
         pushed = yield from push(
             robot, _raised(base_T_hand, GUARDED_M), FAST_M_S, DESCENT_MAX_FORCE_N - weight
         )

@@ -21,6 +21,7 @@ from handcart.primitives.driving.driving import (
 )
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import follow, move_to_joints, move_to_posture
+from handcart.primitives.motions.felt_force import FeltForce
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.restoring.retrace import retrace
@@ -185,7 +186,7 @@ class Track(ActionPrimitive):
         return TrackingLimits(speed, hard, ArmLoad(model).torque, tool.force_n)
 
     def _on_seam(self, robot: Robot, part: ToolPath, plan: _Plan) -> Periods:
-        self._part, worst = part, 0.0
+        self._part, worst, felt = part, 0.0, FeltForce(robot)
         for self._at, (q, point) in enumerate(zip(plan.timed.set_points, plan.tools.points, strict=True)):
             robot.arm.move(q if self._driven is None else self._driven.joints(self._at))
             yield
@@ -195,7 +196,8 @@ class Track(ActionPrimitive):
             if worst > MOST_OFF:
                 off = Measured("Arm", "tool off the seam", 1e3 * worst, 1e3 * MOST_OFF, "mm")
                 raise Discrepancy("the tool leaves the seam", measured=off, cause=seam_causes.OFF_SEAM)
-            force = float(np.linalg.norm(robot.arm.hand_force()))
+            read = felt.read()
+            force = 0.0 if read is None else float(np.linalg.norm(read))
             if force > TOOL_CONTACT_FORCE_N:
                 raise Discrepancy(
                     "the tool touches something",

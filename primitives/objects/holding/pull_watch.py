@@ -9,6 +9,7 @@ from collections.abc import Generator
 import numpy as np
 
 from handcart.backends.robot.robot import Robot
+from handcart.primitives.motions.felt_force import FeltForce, awaited_force
 from handcart.primitives.objects.knowledge import object_causes
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
@@ -34,7 +35,7 @@ class PullWatch:
 
     def __init__(self, robot: Robot, least_n: float) -> None:
         """Begin without a force at rest; `least_n` is the least pull, in [N]."""
-        self._robot, self._least = robot, least_n
+        self._robot, self._least, self._felt = robot, least_n, FeltForce(robot)
         self._forces = deque[FloatArray](maxlen=max(2, math.ceil(PULL_TIME_S / robot.period - 1e-9)))
         self._rest, self._sigma = np.zeros(3), 0.0
         self.is_rested = False
@@ -80,8 +81,12 @@ class PullWatch:
         Set `is_rested` once these readings are calm.
 
         To be called once a period.
+
+        Raises:
+            Discrepancy: the force is not measured.
         """
-        self._forces.append(self._force() - self._rest)
+        if (force := self._felt.read()) is not None:
+            self._forces.append(self._in_base(force) - self._rest)
         if not self.is_rested and self.is_calm:
             self.is_rested = True
 
@@ -148,13 +153,13 @@ class PullWatch:
         yield from settle(self._robot)
         forces: list[FloatArray] = []
         for _ in range(REST_READINGS):
-            forces.append(self._force())
+            forces.append(self._in_base((yield from awaited_force(self._robot))))
             yield
         return np.asarray(np.mean(forces, axis=0)), float(np.std(forces, axis=0).max())
 
-    def _force(self) -> FloatArray:
-        """Return the force on the hand (3,) in the base frame, in [N]."""
-        return np.asarray(self._robot.base_T("hand")[:3, :3] @ self._robot.arm.hand_force())
+    def _in_base(self, force: FloatArray) -> FloatArray:
+        """Return a force (3,) on the hand, in [N], turned from the hand's frame into that of the base."""
+        return np.asarray(self._robot.base_T("hand")[:3, :3] @ force)
 
 
 def direction_words(force: FloatArray) -> str:

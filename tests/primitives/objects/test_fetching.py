@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -250,3 +252,42 @@ def test_tag_on_a_side_faces_the_robot_where_it_is_put(tmp_path: Path) -> None:
         assert isinstance(outcome, Success), outcome
     normal = thing(rig).pose[:3, :3] @ (0.0, -1.0, 0.0)
     assert normal[0] < -0.5  # the robot is at lower x
+
+
+def falsify_force(rig: Rig, monkeypatch: pytest.MonkeyPatch, replaced: Callable[[int, Any], Any]) -> None:
+    """Replace the readings of the force on the hand, each given with its number from 0."""
+    honest, count = rig.robot.arm.hand_force, itertools.count()
+    monkeypatch.setattr(rig.robot.arm, "hand_force", lambda: replaced(next(count), honest()))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("silent", "cause"), [(3, None), (10_000, "sensor_fault")])
+def test_place_without_a_reading_of_the_force_does_not_press_on(
+    monkeypatch: pytest.MonkeyPatch, silent: int, cause: str | None
+) -> None:
+    """A weight of NaN made each force on the way down harmless."""
+    rig = at_table_a(seed=3)
+    look_and_pick(rig, stow=False)
+    falsify_force(rig, monkeypatch, lambda number, force: np.nan * force if number < silent else force)
+    outcome = rig.do(PlaceObject(surface="table_a"))
+    if cause is None:
+        assert isinstance(outcome, Success), outcome
+    else:
+        assert not isinstance(outcome, Success)
+        assert outcome.cause.name == cause
+
+
+@pytest.mark.slow
+def test_pick_with_a_force_that_stands_still_names_the_sensor(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = at_table_a(seed=3)
+    assert isinstance(rig.do(LookFor(object="parcel_1")), Success)
+    kept: list[Any] = []
+
+    def frozen(number: int, force: Any) -> Any:
+        kept.append(force)
+        return kept[-1] if thing(rig).rest.value != "hand" else kept[0]
+
+    falsify_force(rig, monkeypatch, frozen)
+    outcome = rig.do(Pick(object="parcel_1"))
+    assert not isinstance(outcome, Success)
+    assert outcome.cause.name == "sensor_fault", outcome
