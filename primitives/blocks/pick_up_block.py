@@ -29,6 +29,7 @@ from handcart.primitives.motions.grip import close, holds, open_to, width_off
 from handcart.primitives.motions.pushing import push
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
+from handcart.primitives.outcomes.exceeds import exceeds
 from handcart.primitives.preconditions.hand_use import TAKES_OBJECT
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import MIN_HELD_WIDTH_M, Snapshot
@@ -107,7 +108,7 @@ class PickUpBlock(ActionPrimitive):
         yield from self.intend("the fingers close on the block")
         self._touched = True
         yield from close(robot)
-        if robot.gripper.width() <= MIN_HELD_WIDTH_M:
+        if not robot.gripper.width() > MIN_HELD_WIDTH_M:  # NaN is no width either
             self._touched = False  # nothing was between the fingers, so nothing was moved
             raise Discrepancy(
                 f"the fingers closed on nothing where {name_of_block(self.number)} should be",
@@ -169,7 +170,7 @@ class PickUpBlock(ActionPrimitive):
             raise NeedsPerson(f"block {self.number} isn't seen at its place", cause=causes.NOT_SEEN)
         off = 1e3 * seen.distance(on_level(stands))
         most = robot.spec.tolerance.object_mm
-        if off > most:
+        if exceeds(off, most):
             moved = Measured("Camera", "block off its place", off, most, "mm")
             raise NeedsPerson(f"block {self.number} isn't at its place", moved, cause=causes.MISPLACED)
         yield from move_to_joints(robot, back, around=surroundings(robot, model))

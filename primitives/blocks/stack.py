@@ -26,6 +26,7 @@ from handcart.primitives.motions.grip import open_to
 from handcart.primitives.motions.pushing import push, relax
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.exceeds import exceeds
 from handcart.primitives.preconditions.hand_use import LETS_GO
 from handcart.primitives.restoring.snapshot import Snapshot
 from handcart.primitives.restoring.trace import Trace
@@ -257,12 +258,12 @@ class Stack(ActionPrimitive):
         self.found(seen_x_mm=round(1e3 * off.x, 2), seen_y_mm=round(1e3 * off.y, 2))
         self.found(seen_turned_deg=round(math.degrees(off.theta), 2))
         far = float(np.hypot(off.x, off.y))
-        if far > MOST_OFF:
+        if exceeds(far, MOST_OFF):
             apart = Measured("Camera", "block off its goal", 1e3 * far, 1e3 * MOST_OFF, "mm")
             raise Discrepancy(
                 f"block {self.number} is next to its goal", measured=apart, cause=causes.MISPLACED
             )
-        if abs(off.theta) > MOST_TURNED_RAD:
+        if exceeds(abs(off.theta), MOST_TURNED_RAD):
             turned = Measured(
                 "Camera",
                 "block turned against its goal",

@@ -33,6 +33,7 @@ from handcart.primitives.motions.pushing import Pushed, push, relax
 from handcart.primitives.motions.taught import taught_postures
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
+from handcart.primitives.outcomes.exceeds import exceeds
 from handcart.primitives.preconditions.hand_use import CARRIES_OBJECT
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Snapshot
@@ -190,7 +191,7 @@ class Insert(HeldBookPrimitive):
             return False
         off = float(np.linalg.norm(robot.base_T("hand")[:3, 3] - self._base_T_end[:3, 3]))
         self.found(off_mm=round(1e3 * off, 1))
-        if off >= PUSH_END_TOLERANCE_M:
+        if exceeds(off, PUSH_END_TOLERANCE_M):
             left = Measured("Arm", "left to where the push ends", 1e3 * off, 1e3 * PUSH_END_TOLERANCE_M, "mm")
             raise Discrepancy(
                 "the hand doesn't reach where the push ends", measured=left, cause=causes.OFF_GOAL

@@ -24,6 +24,7 @@ from handcart.primitives.objects.site.object_site import base_T_map
 from handcart.primitives.objects.site.roomy_motion import move_with_room, surroundings_to_try
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.exceeds import exceeds
 from handcart.primitives.preconditions.hand_use import NEEDS_EMPTY
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Seen, Snapshot
@@ -234,7 +235,7 @@ class MoveDoor(ActionPrimitive):
         known = believed.handle_at(believed.opening_at(seen[:3, 3]))
         off = float(np.linalg.norm(known[:3, 3] - seen[:3, 3]))
         self.found(handle_off_mm=round(1e3 * off, 1))
-        if off > MAX_OFF_M:
+        if exceeds(off, MAX_OFF_M):
             apart = Measured("Camera", "handle off its place", 1e3 * off, 1e3 * MAX_OFF_M, "mm")
             raise Discrepancy(
                 f"the handle of {self.door} isn't where it should be", measured=apart, cause=causes.MISPLACED
@@ -355,7 +356,7 @@ class MoveDoor(ActionPrimitive):
         found = yield from self._look(robot, model, joint, np.asarray(expected))
         off = float(np.linalg.norm(found.base_T_handle[:2, 3] - pulled.point[:2]))
         self.found(let_go_off_mm=round(1e3 * off, 1))
-        if off > MAX_LET_GO_M:
+        if exceeds(off, MAX_LET_GO_M):
             apart = Measured("Camera", "handle off where it was let go", 1e3 * off, 1e3 * MAX_LET_GO_M, "mm")
             raise Discrepancy(f"{self.door} doesn't stay", measured=apart, cause=causes.MISPLACED)
         return np.asarray(expected)

@@ -15,6 +15,7 @@ from handcart.primitives.motions.felt_force import awaited_force
 from handcart.primitives.motions.grip import close, hand_to_tips, open_to
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.exceeds import exceeds
 from handcart.primitives.restoring.snapshot import is_holding
 from handcart.robotics.manipulation.arms.resolved_rate import RateLimits, ResolvedRate, line_postures, way_to
 from handcart.robotics.manipulation.arms.scara import world_to_base
@@ -87,7 +88,7 @@ class SensorArm:
             yield from self._robot.wait(2 * self._robot.period)
             yield from close(self._robot)
         off = self._off()
-        if off > WIDTH_ERROR:
+        if exceeds(off, WIDTH_ERROR):
             read = Measured("Gripper", "opening off a sensor's width", 1e3 * off, 1e3 * WIDTH_ERROR, "mm")
             raise Discrepancy(
                 "the magazine gives no sensor",

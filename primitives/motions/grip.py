@@ -6,6 +6,7 @@ from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.exceeds import exceeds
 
 GRIP_TIMEOUT_S = 3.0  # that the fingers get
 OPENING_TOLERANCE_M = 0.0005
@@ -31,7 +32,7 @@ def open_to(robot: Robot, width: float | None = None) -> Periods:
     goal = most if width is None else min(width, most)
     robot.gripper.move(goal)
     end = robot.time + GRIP_TIMEOUT_S
-    while abs(robot.gripper.width() - goal) > OPENING_TOLERANCE_M:
+    while exceeds(abs(robot.gripper.width() - goal), OPENING_TOLERANCE_M):
         if robot.time > end:
             wide = Measured("Gripper", "opening", 1e3 * robot.gripper.width(), 1e3 * goal, "mm")
             raise Discrepancy("the fingers don't open", measured=wide, cause=causes.FINGERS_STUCK)

@@ -37,6 +37,7 @@ from handcart.primitives.objects.site.roomy_motion import (
 )
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
+from handcart.primitives.outcomes.exceeds import exceeds
 from handcart.primitives.preconditions.hand_use import LETS_GO
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import MIN_HELD_WIDTH_M, Snapshot, is_holding
@@ -290,7 +291,7 @@ class HandOver(ActionPrimitive):
                 raise
         yield from close(robot)
         width = robot.gripper.width()
-        if width > MIN_HELD_WIDTH_M:
+        if exceeds(width, MIN_HELD_WIDTH_M):
             left = Measured("Gripper", "opening", 1e3 * width, 1e3 * MIN_HELD_WIDTH_M, "mm")
             raise NeedsPerson("something is still between the fingers", left, cause=object_causes.NOT_TAKEN)
         self._is_gone = True

@@ -51,6 +51,7 @@ from handcart.primitives.objects.site.object_site import (
 from handcart.primitives.objects.site.roomy_motion import move_with_room, rooms, surroundings_to_try
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.exceeds import exceeds
 from handcart.primitives.preconditions.hand_use import TAKES_OBJECT
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import MIN_HELD_WIDTH_M, Seen, Snapshot, settle
@@ -212,7 +213,7 @@ class Pick(ActionPrimitive):
         expected = base_T_map(robot) @ seen.pose.lift(surface_of(model, seen.surface).height_m)
         off = float(np.linalg.norm(base_T_object[:2, 3] - expected[:2, 3]))
         self.found(shift_mm=round(1e3 * off, 1))
-        if off > MAX_SHIFT_M:
+        if exceeds(off, MAX_SHIFT_M):
             moved = Measured("Camera", "object off its place", 1e3 * off, 1e3 * MAX_SHIFT_M, "mm")
             raise Discrepancy(
                 f"{self.object} isn't where it was seen", measured=moved, cause=causes.MISPLACED
@@ -303,7 +304,7 @@ class Pick(ActionPrimitive):
         yield from self.intend(f"the fingers close on {self.object}")
         yield from close(robot)
         width = robot.gripper.width()
-        if width <= MIN_HELD_WIDTH_M or not holds(robot, plan.grasp.width, WIDTH_TOLERANCE_M):
+        if not width > MIN_HELD_WIDTH_M or not holds(robot, plan.grasp.width, WIDTH_TOLERANCE_M):
             nothing = width <= MIN_HELD_WIDTH_M
             wrong = "the fingers closed on nothing" if nothing else f"the fingers don't hold {self.object}"
             off = width_off(robot, plan.grasp.width, WIDTH_TOLERANCE_M, "the object's width")
@@ -319,9 +320,9 @@ class Pick(ActionPrimitive):
             return
         weight = GRAVITY_M_S2 * kind.mass_kg
         off, most = abs(felt - weight), max(MIN_WEIGHT_ERROR_N, MAX_WEIGHT_ERROR_SHARE * weight)
-        if off > most and loaded.stands_still and not empty.stands_still:
+        if exceeds(off, most) and loaded.stands_still and not empty.stands_still:
             raise Discrepancy("the reading of the force stands still", cause=causes.SENSOR_FAULT)
-        if off > most:
+        if exceeds(off, most):
             wrong = Measured("Arm", f"felt weight off that of {self.object}", off, most, "N")
             raise Discrepancy(
                 f"the held object doesn't weigh as much as {self.object}",

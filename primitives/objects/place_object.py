@@ -55,6 +55,7 @@ from handcart.primitives.objects.site.object_site import (
 from handcart.primitives.objects.site.roomy_motion import move_with_room, surroundings_to_try
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
+from handcart.primitives.outcomes.exceeds import exceeds
 from handcart.primitives.preconditions.hand_use import LETS_GO
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Snapshot, settle
@@ -296,7 +297,7 @@ class PlaceObject(ActionPrimitive):
         found = conclude(robot, model, name, self.surface, look, goal)
         off = float(np.linalg.norm(found.base_T_object[:2, 3] - goal[:2, 3]))
         self.found(off_goal_mm=round(1e3 * off, 2))
-        if off > MAX_OFF_M:
+        if exceeds(off, MAX_OFF_M):
             apart = Measured("Camera", "object off its goal", 1e3 * off, 1e3 * MAX_OFF_M, "mm")
             raise Discrepancy(f"{name} is next to its goal", measured=apart, cause=causes.MISPLACED)
         self._check_others(robot, model, look)
@@ -315,7 +316,7 @@ class PlaceObject(ActionPrimitive):
             if not isinstance(found, Located):
                 raise NeedsPerson(f"{other.object} is not in its earlier pose", cause=causes.MISPLACED)
             off = float(np.linalg.norm(found.base_T_object[:2, 3] - expected[:2, 3]))
-            if off > MAX_MOVED_M:
+            if exceeds(off, MAX_MOVED_M):
                 moved = Measured("Camera", "another object off its place", 1e3 * off, 1e3 * MAX_MOVED_M, "mm")
                 raise NeedsPerson(f"{other.object} was moved", moved, cause=causes.MISPLACED)
 

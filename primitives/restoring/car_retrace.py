@@ -11,6 +11,7 @@ import numpy as np
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.exceeds import exceeds
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.car_tracker import CarTracker
 
@@ -64,7 +65,8 @@ def check_stands(robot: Robot, goal: Pose2) -> None:
     No motion is tried, because a car cannot move sideways.
     """
     off, most = robot.pose.distance(goal), robot.spec.tolerance.base_mm / 1e3
-    if off > most or math.degrees(robot.pose.turn(goal)) > robot.spec.tolerance.base_deg:
+    turned = math.degrees(robot.pose.turn(goal))
+    if exceeds(off, most) or exceeds(turned, robot.spec.tolerance.base_deg):
         away = Measured("Base", "distance from its goal", off, most, "m")
         raise Discrepancy("the car doesn't reach its pose", measured=away, cause=causes.OFF_GOAL)
 

@@ -7,6 +7,7 @@ import math
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.exceeds import exceeds
 from handcart.primitives.seam import seam_causes
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.manipulation.paths.tool_path import ToolPath
@@ -37,7 +38,7 @@ def way_from_here(robot: Robot, place: str, planned: Pose2) -> Pose2:
         Discrepancy: the base is too far from the planned pose.
     """
     off = robot.pose.distance(planned)
-    if off > MOST_BESIDE:
+    if exceeds(off, MOST_BESIDE):
         away = Measured("Base", "off its place", off, MOST_BESIDE, "m")
         raise Discrepancy(
             f"the base isn't at {place}, where its route along the seam begins",

@@ -24,6 +24,7 @@ from handcart.primitives.motions.arm_motion import follow, move_to_joints, move_
 from handcart.primitives.motions.felt_force import FeltForce
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
+from handcart.primitives.outcomes.exceeds import exceeds
 from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Snapshot
 from handcart.primitives.restoring.trace import Trace
@@ -191,7 +192,7 @@ class Track(ActionPrimitive):
             robot.arm.move(q if self._driven is None else self._driven.joints(self._at))
             yield
             tip = (robot.pose.lift() @ robot.base_T("hand"))[:3, 3]
-            worst = max(worst, float(np.linalg.norm(tip - point)))
+            worst = max(worst, float(np.linalg.norm(tip - point)))  # joints of NaN: TrackingErrorMonitor
             self.found(off_mm=round(1e3 * worst, 3))
             if worst > MOST_OFF:
                 off = Measured("Arm", "tool off the seam", 1e3 * worst, 1e3 * MOST_OFF, "mm")
@@ -222,7 +223,7 @@ def _check_known(robot: Robot) -> None:
     """Raise `Discrepancy` if the pose of the base is not known well enough."""
     x, y, turn = np.sqrt(np.diag(robot.localization.covariance)).tolist()
     off = TOOL_SIGMAS * math.hypot(x, y, TOOL_REACH_M * turn)
-    if off > MOST_OFF:
+    if exceeds(off, MOST_OFF):
         measured = Measured(
             "Positioning", f"{TOOL_SIGMAS:g} sigma of the tool", 1e3 * off, 1e3 * MOST_OFF, "mm"
         )
