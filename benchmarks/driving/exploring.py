@@ -37,6 +37,7 @@ class Result(NamedTuple):
     reason: str
     walls_mm: FloatArray
     mapped_percent: float
+    missing_percent: float
     contacts: int
     false: list[str]
     driven_m: float
@@ -74,6 +75,7 @@ def _explored(rig: Rig, seed: int, pictures: Path | None) -> Result:
         str(getattr(outcome, "reason", "")),
         np.empty(0) if found is None else found.walls_mm,
         0.0 if found is None else found.mapped_percent,
+        100.0 if found is None else found.missing_percent,
         len(scene.contacts),
         list(false),
         float(made.facts.get("driven_m", 0.0)),
@@ -89,7 +91,8 @@ def _line(seed: int, size: tuple[int, int], found: Result) -> str:
         f"{seed:4d} {size[0]} x {size[1]} rooms: {found.outcome:8} {found.driven_m:6.1f} m "
         f"{found.seconds:6.0f} s {found.loops:4d} loops, "
         f"walls {np.median(walls):5.1f} / {np.quantile(walls, 0.95):5.1f} mm, "
-        f"mapped {found.mapped_percent:6.2f} %, contacts {found.contacts}, CPU {found.cpu_s:.0f} s"
+        f"mapped {found.mapped_percent:6.2f} %, lacks {found.missing_percent:.2f} % of the walls, "
+        f"contacts {found.contacts}, CPU {found.cpu_s:.0f} s"
     )
     return (
         words

@@ -12,7 +12,7 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.outcomes.drawn_map import DrawnMap
 from handcart.primitives.outcomes.outcome import Outcome, Success
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.mapping.box_walls import surface_distances
+from handcart.robotics.navigation.mapping.box_walls import BoxWalls, compare_with_boxes, surface_distances
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -22,18 +22,21 @@ from .survey import Claim, FiguresSurvey, Survey, SurveyedRun
 EXPLORE_NAME = "EXPLORE"
 MAX_WALL_MEDIAN_MM, MAX_WALL_95_MM = 50.0, 150.0  # fixed limits of the walls that EXPLORE claims to know
 MIN_MAPPED_PERCENT = 95.0  # of the floor that the robot can reach
+MAX_MISSING_PERCENT = 5.0  # of the walls beside floor that the map shows as free
 FLOOR_CELL_M = 0.1
 FLOOR_MARGIN_M = 1.0
 FLOOR_ROOM_M = 0.12  # added to the footprint, for floor that the robot can certainly reach
 
 
 class MapFigures(NamedTuple):
-    """Errors of a map's walls against the simulated world, and the share of the floor that the map shows."""
+    """Errors of a map's walls against the simulated world, and what of the floor and walls the map shows."""
 
     walls_mm: FloatArray
     """(n,) distance of each occupied cell to the nearest true surface, in [mm]."""
     mapped_percent: float
     """Share of the reachable floor that the map shows; NaN for a world without outer walls."""
+    missing_percent: float
+    """Share of the true walls, where they border on floor that the map shows as free, that it lacks."""
 
 
 def compare_with_world(run: SurveyedRun, drawn: DrawnMap, radius_m: float) -> MapFigures:
@@ -49,14 +52,20 @@ def compare_with_world(run: SurveyedRun, drawn: DrawnMap, radius_m: float) -> Ma
     boxes = [solid.outline for solid in run.world.solids if solid.reaches(height)]
     cells = run.world_T_map.apply(drawn.grid.to_point(np.argwhere(drawn.grid.occupied)))
     walls = 1e3 * surface_distances(cells, boxes)
+    missing = _missing_percent(compare_with_boxes(drawn.grid, boxes, run.world_T_map.inverse()))
     first = run.world_T_map.compose(Pose2(*drawn.built.poses[0].tolist()))
     floor = reachable_floor(boxes, run.robot.spec.footprint_shape.inscribed, first)
     floor = floor[np.hypot(*(floor - first[:2]).T) < radius_m - FLOOR_MARGIN_M]
     if not len(floor):
-        return MapFigures(walls, float("nan"))
-    return MapFigures(
-        walls, 100.0 * float(_is_known(drawn.grid, run.world_T_map.inverse().apply(floor)).mean())
-    )
+        return MapFigures(walls, float("nan"), missing)
+    known = _is_known(drawn.grid, run.world_T_map.inverse().apply(floor))
+    return MapFigures(walls, 100.0 * float(known.mean()), missing)
+
+
+def _missing_percent(found: BoxWalls) -> float:
+    """Return the share of all boxes' visible outlines that a map lacks, in percent; 0 if none is visible."""
+    seen = np.array(found.visible)
+    return 100.0 * float(seen @ found.missing) / max(float(seen.sum()), 1e-9)
 
 
 def reachable_floor(
@@ -120,7 +129,8 @@ def _explored(survey: Survey, claim: Claim) -> list[str]:
     if found.mapped_percent < MIN_MAPPED_PERCENT:
         words = f"{found.mapped_percent:.1f} % of the reachable floor is on the map"
         wrong.append(f"{words} (at least {MIN_MAPPED_PERCENT:g})")
-    return wrong
+    lacking = "the map lacks {:.1f} % of the walls beside its free floor"
+    return wrong + at_most(lacking, found.missing_percent, MAX_MISSING_PERCENT, MAX_MISSING_PERCENT)
 
 
 class MapSurvey(FiguresSurvey):
@@ -136,6 +146,7 @@ class MapSurvey(FiguresSurvey):
             found = compare_with_world(self.run, drawn, float(getattr(primitive, "radius_m", np.inf)))
             self._figures["map_walls_mm_median"] = round(float(np.median(found.walls_mm)), 1)
             self._figures["map_walls_mm_95"] = round(float(np.quantile(found.walls_mm, 0.95)), 1)
+            self._figures["map_walls_missing_percent"] = round(found.missing_percent, 2)
             if np.isfinite(found.mapped_percent):
                 self._figures["map_floor_percent"] = round(found.mapped_percent, 2)
         return []
