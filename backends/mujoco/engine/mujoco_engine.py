@@ -116,6 +116,8 @@ class MujocoEngine(Engine):
         self._numbering, self._seen = Numbering(model, self._links, things), None
         self._pressing, self._beams = Pressing(self._numbering.owners), LidarBeams(model)
         self._leaning.compiled(model, next(iter(self._links), None))
+        if (pinned := self._slipping.pinned) is not None:
+            self.pins.aim(model, pinned, *self._joined(pinned))
 
     def links(self) -> Any:
         """Return MuJoCo's data (`MjData`) with the current poses of all links."""

@@ -91,6 +91,20 @@ class Pins:
         """
         if len(wanted.points) != MAX_PIN_POINTS:
             raise ValueError(f"{len(wanted.points)} points hold a thing; needed: {MAX_PIN_POINTS}")
+        self.aim(model, wanted, hand, other)
+        data.eq_active[self._first : self._first + MAX_PIN_POINTS] = 1
+
+    def aim(self, model: Any, wanted: Pinned, hand: int, other: int) -> None:
+        """Set the bodies and points of the pins (constraints) in MuJoCo's `model`, active or not.
+
+        A model that is compiled again has the placeholders of `prepare` instead.
+
+        Args:
+            model: MuJoCo's model.
+            wanted: points in the frames of both bodies.
+            hand: MuJoCo's number of the hand's body.
+            other: MuJoCo's number of the held thing's body.
+        """
         turn = np.zeros(9)
         mujoco().mju_quat2Mat(turn, model.body_iquat[hand])
         for item, (point, there) in enumerate(zip(wanted.points, wanted.other_points, strict=True)):
@@ -98,4 +112,3 @@ class Pins:
             model.eq_obj1id[number], model.eq_obj2id[number] = hand, other
             model.eq_data[number, :3] = turn.reshape(3, 3) @ point + model.body_ipos[hand]
             model.eq_data[number, 3:6] = there
-            data.eq_active[number] = 1
