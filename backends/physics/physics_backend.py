@@ -22,6 +22,7 @@ from handcart.backends.simulation.simulated_backend import ChangingPart, Simulat
 from handcart.backends.simulation.world.thing import Thing
 from handcart.backends.simulation.world.world_file import WorldFile
 from handcart.backends.urdf.robot_shape import finger_shape
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
 
 from .body.grip import Grip, pads_in
@@ -114,7 +115,7 @@ class PhysicsBackend(SimulatedBackend):
         }
         self._base = self._make_base(robot, world, seed)
         self._body.cover(self._body.casters, CASTER_SURFACE)
-        self._on_floor = terrain is None
+        self._on_floor, self._terrain = terrain is None, terrain
         site = PhysicsSite(self._engine, self._body, self._world)
         self._build_sensors(settled=False, engine=site)
         for _ in range(round((SETTLING_TIME_S if terrain is None else SETTLES_OUTDOORS) / self.period)):
@@ -138,8 +139,7 @@ class PhysicsBackend(SimulatedBackend):
         self.remarks = [robot.whole.remark("link", *repair) for repair in self._body.repairs]
         if terrain is not None:
             self.scene.ground_height = terrain.height_at
-            under = terrain.height(*self.scene.base.apply(CAR_WHEELS_M).T)
-            self._body.put(self.scene.base, float(under.max()) + LET_DOWN)
+            self._body.put(self.scene.base, _highest_under(terrain, self.scene.base) + LET_DOWN)
             self._world.reach(self.scene.base.x, self.scene.base.y)
         last = robot.arm.joints[-1] if robot.arm else None
         self._touch = ContactReader(engine, self._body, self._world, last)
@@ -173,13 +173,27 @@ class PhysicsBackend(SimulatedBackend):
     def step(self) -> None:
         self._begin_period()
         if (there := self._kidnapped_to()) is not None:
-            self._body.put(there, float(self._body.standing_pose()[2, 3]) + LET_DOWN)
+            self._carry_to(there)
         self._world.keep_time()
         self._world.reach(self.scene.base.x, self.scene.base.y)
         self._world.keep_things()
         for body in self._bodies.values():
             body.step()
         self._run_period()
+
+    def _carry_to(self, there: Pose2) -> None:
+        """Let a person set the robot down at another pose world_T_base, with all that it carries."""
+        self._world.reach(there.x, there.y)
+        before = self._body.standing_pose()
+        under = float(before[2, 3]) if self._terrain is None else _highest_under(self._terrain, there)
+        if self._grip is not None and self._grip.holds in self._world.fixed:
+            self._grip.let_go()
+        carried = [*self._riding(), *([self._grip.holds] if self._grip is not None else [])]
+        poses = {body: self._engine.pose(body) for body in carried if body is not None}
+        self._body.put(there, under + LET_DOWN)
+        moved = self._body.standing_pose() @ inverse(before)
+        for body, pose in poses.items():
+            self._engine.set_pose(body, moved @ pose)
 
     def _run_period(self) -> None:
         if self._grip is not None and self._gripper is not None and self._gripper.opening:
@@ -303,3 +317,8 @@ class PhysicsBackend(SimulatedBackend):
         for sensor in self._sensors.values():
             sensor.close()
         self._engine.close()
+
+
+def _highest_under(terrain: Terrain, base: Pose2) -> float:
+    """Return the largest height of the ground under the wheels of a car at world_T_base, in [m]."""
+    return float(terrain.height(*base.apply(CAR_WHEELS_M).T).max())
