@@ -41,11 +41,10 @@ from handcart.primitives.objects.looking.object_look import (
     ObjectLook,
     conclude,
     look_closely,
-    look_from,
     sighting,
 )
+from handcart.primitives.objects.looking.spot_look import is_spot_free
 from handcart.primitives.objects.looking.tag_readings import Located, locate
-from handcart.primitives.objects.looking.view_plan import directions
 from handcart.primitives.objects.site.object_site import (
     base_T_map,
     held_box,
@@ -61,10 +60,7 @@ from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Snapshot, settle
 from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform, apply, inverse
-from handcart.robotics.numerics.arrays import FloatArray
-from handcart.robotics.perception.drawing.overlay import draw_overlay
-from handcart.robotics.perception.objects.plain_patch import edge_share, is_plain
+from handcart.robotics.geometry.transform import Transform
 
 FAST_M_S, SLOW_M_S = 0.08, 0.015
 GUARDED_M = 0.015  # over the goal, where slow lowering begins
@@ -73,8 +69,6 @@ TOUCHDOWN_FORCE_N = 3.0
 OVERTRAVEL_M = 0.015  # below the goal, where an object touches down at the latest
 MAX_OFF_M = 0.020  # of the placed object from its goal
 MAX_MOVED_M = 0.015  # of other objects
-SPOT_VIEW_DISTANCES_M = (0.32, 0.38, 0.26, 0.46, 0.54)  # the far ones over the rim of a deep box
-VIEW_SPARE = 1.05  # of a view's width over the foot in it
 MAX_SPOTS = 8  # that are looked at
 
 
@@ -186,7 +180,8 @@ class PlaceObject(ActionPrimitive):
                 continue
             reached += 1
             looked += 1
-            if (yield from self._is_free(robot, model, plan.base_T_object, kind, any_heading)):
+            spot = self.surface, surface, kind, plan.base_T_object
+            if (yield from is_spot_free(robot, model, self.evidence, *spot)):
                 self.found(spots_looked_at=looked)
                 self._goal = (place.x, place.y)
                 return plan
@@ -245,23 +240,6 @@ class PlaceObject(ActionPrimitive):
             )
         ]
 
-    def _is_free(
-        self, robot: Robot, model: ModelView, base_T_goal: Transform, kind: ObjectKind, any_heading: bool
-    ) -> Generator[None, None, bool]:
-        """Look at a spot past the held object; return whether it looks plain, as the surface does."""
-        towards = list(directions((), None, "any"))
-        distances = _showing_all(robot, kind)
-        corners, middle = _foot(kind, base_T_goal), base_T_goal[:3, 3]
-        if not (yield from look_from(robot, model, middle, towards, distances, shown=corners)):
-            raise Discrepancy(f"no view of {self.surface} is free", cause=causes.NO_ARM_PATH)
-        yield from settle(robot)
-        yield
-        photo = robot.photo()
-        share = edge_share(photo.pixels, photo.camera, photo.base_T_camera, corners)
-        outline = photo.camera.project(apply(inverse(photo.base_T_camera), corners))
-        self.evidence.pictures["spot"] = draw_overlay(photo.pixels, outlines=[outline])
-        return is_plain(share)
-
     def _lower(self, robot: Robot, base_T_hand: Transform) -> Periods:
         """Go down until the object touches; the forces are those beyond its weight."""
         yield from settle(robot)
@@ -319,21 +297,6 @@ class PlaceObject(ActionPrimitive):
             if exceeds(off, MAX_MOVED_M):
                 moved = Measured("Camera", "another object off its place", 1e3 * off, 1e3 * MAX_MOVED_M, "mm")
                 raise NeedsPerson(f"{other.object} was moved", moved, cause=causes.MISPLACED)
-
-
-def _foot(kind: ObjectKind, base_T_goal: Transform) -> FloatArray:
-    """Return (4, 3) corners around an object's foot with a margin, in the base frame, in [m]."""
-    half = np.array([kind.size[0], kind.size[1]]) / 2 + FOOT_MARGIN_M
-    flat = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * half
-    return apply(base_T_goal, np.column_stack([flat, np.zeros(4)]))
-
-
-def _showing_all(robot: Robot, kind: ObjectKind) -> list[float]:
-    """Return distances of the camera from a spot, in [m], from which it sees all of an object's foot."""
-    camera = robot.view_camera.model
-    across = max(kind.size[:2]) + 2 * FOOT_MARGIN_M
-    least = VIEW_SPARE * across * float(camera.K[0, 0]) / min(camera.width, camera.height)
-    return [max(distance_m, least) for distance_m in SPOT_VIEW_DISTANCES_M]
 
 
 def _raised(base_T_hand: Transform, by: float) -> Transform:

@@ -19,7 +19,7 @@ from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.navigation.maps.clearances import Clearances
 from handcart.robotics.navigation.maps.map_window import window_around
 from handcart.robotics.numerics.arrays import FloatArray
-from handcart.robotics.perception.objects.plain_patch import edge_share, is_plain
+from handcart.robotics.perception.objects.plain_patch import PictureEdges, is_plain
 
 from .object_look import ObjectLook, look_from
 from .view_plan import directions
@@ -33,7 +33,6 @@ PATCH_HALF_M, TILE_M = 0.225, 0.15  # of the floor around where it would fall
 STEPS_M = np.arange(-PATCH_HALF_M + TILE_M / 2, PATCH_HALF_M, TILE_M)  # to the middles of its parts
 WINDOW_HALF_M = 0.6  # of the map around it
 OWN_MARGIN_M = 0.10  # of the floor beside the robot, known surfaces and walls, that they may hide
-FAINT_EDGE_GREY_PX = 3.0  # an object may be almost as grey as the floor
 MIN_SEEN_SHARE = 0.6  # of the parts of the patch that can be judged
 MIN_JUDGED_SHARE = 0.5  # of all parts of the patch
 
@@ -91,10 +90,8 @@ def _checked_free(robot: Robot, model: ModelView, photo: Photo, name: str, below
         NeedsPerson: the floor there does not look plain.
     """
     tiles = list(_tiles(robot, model, below))
-    shares = [
-        edge_share(photo.pixels, photo.camera, photo.base_T_camera, tile, FAINT_EDGE_GREY_PX)
-        for tile in tiles
-    ]
+    edges = PictureEdges.of_picture(photo.pixels)
+    shares = [edges.share(photo.camera, photo.base_T_camera, tile) for tile in tiles]
     for share in shares:
         if share is not None and not is_plain(share):
             seen = Measured("Camera", "share of edges on the floor", share, 0.0)

@@ -1,0 +1,52 @@
+"""PLACE's look at a spot where something almost as grey as the surface lies, or nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from benchmarks.objects.handing import rig_holding, scene_of
+from handcart.backends.simulation.world.thing import Rest
+from handcart.evaluation.trials.rig import Rig
+from handcart.primitives.objects.place_object import PlaceObject
+from handcart.primitives.outcomes.outcome import Fail, Success
+
+from .fetching import TASK, changed
+
+TABLE_GREY = 110
+
+
+def before_table_b(folder: Path, objects: Path = TASK / "objects.yaml", **thing: Any) -> Rig:
+    """Return a robot with a parcel in its hand before table B, with a flat thing on the spot `right`."""
+    pose = ("x_m: 1.0, y_m: 1.0, heading_deg: 0.0", "x_m: 4.3, y_m: 2.0, heading_deg: 0.0")
+    world = changed(folder, "world.yaml", pose)
+    if thing:
+        data = yaml.safe_load(world.read_text(encoding="utf-8"))
+        lies = {"name": "card", "x_m": 5.05, "y_m": 1.8, "height_m": 0.6, "size_mm": [60, 40, 2], **thing}
+        data["objects"].append(lies)
+        world.write_text(yaml.safe_dump(data), encoding="utf-8")
+    return rig_holding(world, seed=3, places=changed(folder, "places.yaml", pose), objects=objects)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("contrast", [10, 20, 30, -10])
+def test_thing_almost_as_grey_as_the_table_is_seen(tmp_path: Path, contrast: int) -> None:
+    with before_table_b(tmp_path, grey=TABLE_GREY + contrast) as rig:
+        outcome = rig.do(PlaceObject(surface="table_b", spot="right"))
+        assert isinstance(outcome, Fail), outcome
+        assert outcome.cause.name == "occupied"
+        parcel = scene_of(rig).thing_named("object parcel_1")
+        assert parcel is not None and parcel.rest is Rest.HAND
+
+
+@pytest.mark.slow
+def test_edge_of_the_table_beside_a_spot_is_no_thing(tmp_path: Path) -> None:
+    """The margin around the foot reaches beyond the table, whose front is almost as grey as its top."""
+    spot = "right: {x_m: 5.05, y_m: 1.8}"
+    objects = changed(tmp_path, "objects.yaml", (spot, "right: {x_m: 4.955, y_m: 1.8, heading_deg: 45}"))
+    with before_table_b(tmp_path, objects) as rig:
+        outcome = rig.do(PlaceObject(surface="table_b", spot="right"))
+        assert isinstance(outcome, Success), outcome
