@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
+from .bt_import import VERBOSE_TAGS
 from .lost import LostConstruct
 from .task_parts import TaskParts, attempts_of, failures, further_keys, most_attempts, successes
 from .xml_tree import XmlElement
@@ -131,7 +132,14 @@ def parts_of_tree(root: XmlElement) -> TaskParts:
     head = json.loads(top.attributes[TASK_PORT])
     situations, order = head.pop("situations"), head.pop("order")
     rows = [descendant for descendant in _descendants(top) if ROW_PORT in descendant.attributes]
-    return TaskParts(head, situations, [_row(row) for row in rows], order)
+    declared = {
+        (action.attributes["ID"], port.attributes["name"])
+        for model in root.children
+        if model.tag == "TreeNodesModel"
+        for action in model.children
+        for port in action.children
+    }
+    return TaskParts(head, situations, [_row(row, declared) for row in rows], order)
 
 
 def changed_leaves(root: XmlElement) -> Iterator[LostConstruct]:
@@ -154,23 +162,29 @@ def changed_leaves(root: XmlElement) -> Iterator[LostConstruct]:
             )
 
 
-def _row(element: XmlElement) -> dict[str, Any]:
-    """Return an action from the part of a tree that does it."""
+def _row(element: XmlElement, declared: Set[tuple[str, str]]) -> dict[str, Any]:
+    """Return an action from the part of a tree that does it.
+
+    Args:
+        element: the part of the tree.
+        declared: ports of each leaf. A `name` that is none of them was added by an editor.
+    """
     more = json.loads(element.attributes[ROW_PORT])
     condition, fallback = element.children
     sequence, failed = fallback.children
     leaf, done = sequence.children
+    ports = dict(leaf.attributes)
+    name = ports.pop("ID", leaf.tag) if leaf.tag in VERBOSE_TAGS else leaf.tag
     (source,) = _CONDITION.findall(condition.attributes["code"])
-    given = {
-        key: _value(text) for key, text in leaf.attributes.items() if key not in (CAUSE_PORT, RESULT_PORT)
-    }
-    row = {**more, "do": leaf.tag, "from": source, **({"with": given} if given else {})}
+    own = {key for key in ports if key.startswith("_") or (key == "name" and (name, key) not in declared)}
+    given = {key: _value(text) for key, text in ports.items() if key not in (CAUSE_PORT, RESULT_PORT, *own)}
+    row = {**more, "do": name, "from": source, **({"with": given} if given else {})}
     row |= _successes(done.attributes["code"], more)
-    row |= _failures(failed.attributes["code"], more)
+    row |= _failures(failed.attributes["code"], more, source)
     most = _ATTEMPTS.findall(condition.attributes["code"])
     if most and isinstance(more["attempts"], int):
         row["attempts"] = int(most[0])
-    keys = dict.fromkeys((*more["keys"], *(["with"] if given else [])))
+    keys = dict.fromkeys((*more["keys"], *(["with"] if given else []), "on_fail"))
     return {key: row[key] for key in keys if key in row}
 
 
@@ -183,10 +197,10 @@ def _successes(code: str, more: dict[str, Any]) -> dict[str, Any]:
     return {"then": [{"to": usual, **first}, *({"to": chosen[other["result"]], **other} for other in others)]}
 
 
-def _failures(code: str, more: dict[str, Any]) -> dict[str, Any]:
-    if "on_fail" not in more["keys"]:
-        return {}
+def _failures(code: str, more: dict[str, Any], source: str) -> dict[str, Any]:
     other = _LAST.findall(code)[-1]
+    if "on_fail" not in more["keys"]:
+        return {} if other == source else {"on_fail": other}
     if "on_fail" not in more:
         return {"on_fail": other}
     to = {**{cause: situation for _, cause, situation in _CHOSEN.findall(code)}, "else": other}

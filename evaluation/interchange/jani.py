@@ -16,7 +16,7 @@ from handcart.files.regular_file import decode_text, read_regular_file
 
 from .lost import Imported, LostConstruct
 from .task_draft import GOAL_NAME, TaskDraft, primitive_name
-from .task_parts import TaskParts, failures, most_attempts, successes
+from .task_parts import TaskParts, failures, led_to, most_attempts, successes
 
 MAX_JANI_BYTES = 1 << 24
 COMMENT_PREFIX = "handcart: "
@@ -111,13 +111,12 @@ def _edges(number: int, row: Any, gave_up: str) -> Iterator[dict[str, Any]]:
         name = f"fails_{number}"
         edge["guard"] = {"exp": {"op": "<", "left": name, "right": most}}
         count = {"assignments": [{"ref": name, "value": {"op": "+", "left": name, "right": 1}}]}
-    good = [({"location": to}, p) for to, _, p in successes(row)]
-    bad = [({"location": to, **count}, p) for to, _, p in failures(row)]
+    well, badly = _outcomes(row)
+    good = [({"location": to}, p) for to, p in well]
+    bad = [({"location": to, **count}, p) for to, p in badly]
     end = [({"location": gave_up}, row["p_give_up"])] if row.get("p_give_up") else []
     comment = COMMENT_PREFIX + json.dumps({**row, "keys": list(row)})
     if all(p is not None for _, p in good):
-        rest = 1.0 - sum(p for _, p in good) - row.get("p_give_up", 0.0) - sum(p or 0.0 for _, p in bad[:-1])
-        bad[-1] = bad[-1][0], max(0.0, rest)
         every = [{**to, "probability": {"exp": p}} for to, p in (*good, *bad, *end) if p]
         yield {**edge, "destinations": every, "comment": comment}
         return
@@ -164,10 +163,37 @@ def _own(model: Any, described: str) -> TaskParts:
         row = json.loads(edge["comment"].removeprefix(COMMENT_PREFIX))
         keys = row.pop("keys")
         row |= {"do": edge["action"].partition(" ")[2], "from": edge["location"]}
-        if "to" in row:
-            row["to"] = edge["destinations"][0]["location"]
-        rows.append({key: row[key] for key in keys})
+        same = [other for other in automaton["edges"] if other["action"] == edge["action"]]
+        row = _led(row, [end["location"] for other in same for end in other["destinations"]])
+        rows.append({key: row[key] for key in dict.fromkeys((*keys, *row))})
     return TaskParts(head, situations, rows, order)
+
+
+def _led(row: Mapping[str, Any], ends: list[str]) -> dict[str, Any]:
+    """Return an action that leads to the locations at the ends of its edges; an impossible outcome has no
+    end.
+    """
+    good, bad = _outcomes(row)
+    every, is_open = [*good, *bad], any(p is None for _, p in good)
+    shown = [place for place, (_, p) in enumerate(every) if is_open or p]
+    if len(ends) != len(shown) + bool(row.get("p_give_up")):
+        raise ValueError(f"{len(ends)} destinations of {row['do']}; allowed: as many as exported")
+    targets = [to for to, _ in every]
+    for place, end in zip(shown, ends, strict=False):
+        targets[place] = end
+    return led_to(row, targets)
+
+
+def _outcomes(row: Mapping[str, Any]) -> tuple[list[tuple[str, Any]], list[tuple[str, Any]]]:
+    """Return next situation and probability of each way of an action's Success, and of its Fail; the
+    probability is None where it is open.
+    """
+    good = [(to, p) for to, _, p in successes(row)]
+    bad = [(to, p) for to, _, p in failures(row)]
+    if all(p is not None for _, p in good):
+        rest = 1.0 - sum(p for _, p in good) - row.get("p_give_up", 0.0) - sum(p or 0.0 for _, p in bad[:-1])
+        bad[-1] = bad[-1][0], max(0.0, rest)
+    return good, bad
 
 
 class _Foreign:

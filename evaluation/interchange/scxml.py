@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
-from .task_parts import TaskParts, failures, successes
+from .task_parts import TaskParts, failures, led_to, successes
 from .xml_tree import XmlElement
 
 XML_NAME = "handcart"
@@ -97,11 +97,10 @@ def _row(element: XmlElement, names: dict[str, str], sources: dict[str, str]) ->
     row |= {"do": invoke.attributes["src"], "from": sources.get(element.attributes["id"], row["from"])}
     given = {child.attributes["name"]: json.loads(child.attributes["expr"]) for child in invoke.children}
     row |= {"with": given} if given else {}
-    if "to" in row:
-        row["to"] = targets[SUCCESS_EVENT]
-    if isinstance(row.get("on_fail"), str):
-        row["on_fail"] = targets[FAIL_EVENT]
-    return {key: row[key] for key in keys}
+    events = [f"{SUCCESS_EVENT}.{result}" if result else SUCCESS_EVENT for _, result, _ in successes(row)]
+    events += [f"{FAIL_EVENT}.{cause}" if cause else FAIL_EVENT for _, cause, _ in failures(row)]
+    row = led_to(row, [targets[event] for event in events])
+    return {key: row[key] for key in dict.fromkeys((*keys, *row)) if key in row}
 
 
 def _json(value: Any) -> str:

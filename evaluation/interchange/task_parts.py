@@ -126,6 +126,46 @@ def failures(row: Row) -> list[tuple[str, str, Any]]:
     return [*found, (rest or row["from"], "", None)]
 
 
+def led_to(row: Row, targets: Sequence[str]) -> dict[str, Any]:
+    """Return an action with its next situations replaced.
+
+    Args:
+        row: entry of the action in the task's file.
+        targets: the next situations, in the order of `successes`, then of `failures`.
+
+    Raises:
+        ValueError: the action does not have as many outcomes.
+    """
+    good, bad = successes(row), failures(row)
+    if len(targets) != len(good) + len(bad):
+        allowed = f"allowed: {len(good) + len(bad)}, as exported"
+        raise ValueError(f"{len(targets)} outcomes of {row['do']}; {allowed}")
+    found = dict(row)
+    if "then" in row:
+        found["then"] = [{**item, "to": to} for item, to in zip(row["then"], targets, strict=False)]
+    else:
+        found["to"] = targets[0]
+    given = row.get("on_fail")
+    changed = {
+        cause or "else": to
+        for (old, cause, _), to in zip(bad, targets[len(good) :], strict=True)
+        if to != old
+    }
+    if changed and isinstance(given, Mapping):
+        fails = {cause: _led(item, changed.get(cause)) for cause, item in given.items()}
+        found["on_fail"] = {**changed, **fails}
+    elif changed:
+        found["on_fail"] = changed["else"]
+    return found
+
+
+def _led(fail: Any, to: str | None) -> Any:
+    """Return an entry of `on_fail` with its situation replaced by `to`; None: unchanged."""
+    if to is None:
+        return fail
+    return to if isinstance(fail, str) else {**fail, "to": to}
+
+
 def further_keys(row: Row) -> dict[str, Any]:
     """Return those keys of a task's action, with their values, for which other formats have no element, such
     as cost.

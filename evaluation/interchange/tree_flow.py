@@ -6,11 +6,13 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from .lost import LostConstruct
-from .task_draft import FAILED_NAME, GOAL_NAME, TaskDraft, primitive_name
+from .task_draft import FAILED_NAME, GOAL_NAME, TaskDraft, TooLargeDraft, primitive_name
 from .tree_node import BehaviourNode
 
 MAX_RETRIES = 100
 MAX_TREE_DEPTH = 200
+MAX_VISITS = 500_000
+"""Maximum number of nodes, each counted once for each retry, as retries of nothing multiply too."""
 IN_ORDER = "its children are done in order, each to its end"
 SEQUENCE_TAGS = {
     "Sequence": "",
@@ -69,6 +71,7 @@ class TreeFlow:
         self._loops = 0
         self._time_out: float | None = None
         self._depth = 0
+        self._visits = 0
         self._own: dict[str, Compile] = {
             "Inverter": lambda node, succ, fail: self._child(node, fail, succ),
             "ForceSuccess": lambda node, succ, _fail: self._child(node, succ, succ),
@@ -111,6 +114,9 @@ class TreeFlow:
             fail: situation after its failure.
         """
         self._depth += 1
+        self._visits += 1
+        if self._visits > MAX_VISITS:
+            raise TooLargeDraft
         if self._depth > MAX_TREE_DEPTH:
             self._lose(node, f"it is nested deeper than {MAX_TREE_DEPTH}; it is dropped")
             self._depth -= 1
