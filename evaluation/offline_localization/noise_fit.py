@@ -146,5 +146,6 @@ def in_yaml(noise: FieldNoise) -> str:
             "gps:",
             f"  white_m: {noise.gps_white:.3g}",
             f"  drift_m: {noise.gps_drift:.3g}",
+            f"  drift_time_s: {noise.gps_drift_time:.3g}",
         ]
     )

@@ -18,7 +18,7 @@ from handcart.robotics.navigation.outdoors.field_noise import FieldNoise
 from handcart.robotics.navigation.outdoors.gps_filter import GpsFilter
 from handcart.robotics.navigation.outdoors.noise_hypotheses import noise_hypotheses
 from handcart.robotics.navigation.outdoors.particle_filter import ParticleErrors, ParticleFilter
-from handcart.robotics.numerics.arrays import BoolArray, FloatArray
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 
 TRACK_PERIOD_S = 1.0  # between points of the track
 CLOUD_COUNT = 5  # instants with recorded particles: as in figure 3 of Ohki et al. (2012)
@@ -106,6 +106,7 @@ def localizer_for(
         known_rows = np.flatnonzero(np.isfinite(log.fixes).all(axis=1))
         x, y = log.fixes[known_rows[0]].tolist() if len(known_rows) else (0.0, 0.0)
         position = START_SIGMAS * noise.gps_white + math.hypot(*noise.antenna[:2])
+        position += _way_before(log, known_rows)
     if not math.isfinite(heading):
         heading, noise = 0.0, noise._replace(start_heading=math.inf)
     start = Pose2(x, y, wrap(heading))
@@ -115,6 +116,14 @@ def localizer_for(
         supposed = [noise_hypotheses(noise)[0]._replace(share=1.0, worse=0)] if alone else None
         return GpsFilter(start, noise, position, supposed=supposed, heading_sigma=HEADING_SIGMA)
     return ParticleFilter(start, particle_errors(noise, position), heading_sigma=PARTICLES_SIGMA)
+
+
+def _way_before(log: DriveLog, known_rows: IntArray) -> float:
+    """Return the way in [m] of the wheels to the first of the rows with a fix: from where the log begins, the
+    vehicle was driven that far in an unknown direction.
+    """
+    until = int(known_rows[0]) + 1 if len(known_rows) else 1
+    return float(np.abs(np.nan_to_num(log.wheels[1:until]).mean(axis=1)).sum())
 
 
 def particle_errors(noise: FieldNoise, position: float) -> ParticleErrors:

@@ -39,6 +39,24 @@ def test_a_foreign_vehicles_heading_is_known_within_30_s(name: str) -> None:
     assert found.meanwhile < 6.0  # [m] off before the heading is known
 
 
+def without_fixes_before(foreign: ForeignLog, time: float) -> ForeignLog:
+    """The receiver begins to give fixes after a time in [s]; the start's heading is known."""
+    log, fixes = foreign.log, foreign.log.fixes.copy()
+    fixes[log.times < log.times[0] + time] = math.nan
+    start = math.nan, math.nan, float(log.reference[0, 2])
+    return foreign._replace(log=log._replace(fixes=fixes, start=start))
+
+
+@pytest.mark.parametrize("name", ["mower", "truck"])
+def test_a_late_first_fix_does_not_tell_where_the_drive_began(name: str) -> None:
+    """A truck is claimed 2 m from where its first fix is, and is 140 m away from it."""
+    found = played(without_fixes_before(recorded(name), 30.0)).replayed
+    off = np.hypot(*found.errors[0, :2])
+    claimed = math.sqrt(np.trace(found.covariances[0, :2, :2]))
+    assert off > 5.0
+    assert off < 2.0 * claimed
+
+
 @pytest.mark.parametrize("name", ["mower", "skid"])
 def test_particles_receive_the_vehicles_errors(name: str) -> None:
     """They were given the receiver's alone: 7.9 m off with 0.64 m claimed."""
