@@ -90,8 +90,8 @@ class BaseScorer:
 
     @property
     def spacing(self) -> tuple[float, float]:
-        """Distance between neighbouring base poses in the grid of `candidates`, in [m], and between headings,
-        in [rad].
+        """Distance between neighbouring base poses in the latest grid of `candidates`, in [m], and between
+        headings, in [rad].
         """
         return self.step, 2.0 * np.pi / self.grid.headings
 
@@ -177,6 +177,7 @@ class BaseScorer:
         Returns:
             (b, 3) world_T_base: x, y in [m], heading in [rad].
         """
+        self.step = self.grid.step
         spots = self._spots(path, self.step)
         while len(spots) * self.grid.headings > self.grid.bases:
             self.step *= 1.1

@@ -25,6 +25,7 @@ BEYOND_M = 0.008  # outside of an outline
 MAX_BEYOND_SHARE = 0.02  # of a group's points that may be there
 SAME_SIZE_M = 0.001  # maximum difference of sides that count as equal
 INNER_M = 0.005  # inside of an outline, where no side is seen
+MIN_SAG_POINTS = 10  # fewer tell nothing of an upper side's form, as of one narrower than twice INNER_M
 MAX_SAG_M = 0.0015  # of a flat upper side, from its middle to its edge
 LYING_HEIGHT_TOLERANCE_M = 0.006  # likewise, of what is seen of a round one
 LYING_RMS_M = 0.0014  # of points on the side of a lying cylinder
@@ -126,12 +127,14 @@ def _fitting(cluster: PointCluster, sides: tuple[float, float] | float) -> Outli
 
 
 def _sag(points: FloatArray, fit: OutlineFit) -> float:
-    """Return how much lower the edges of an upper side are than its middle, in [m].
+    """Return how much lower the edges of an upper side are than its middle, in [m]; 0 if too few points tell.
 
     Args:
         points: (n, 3) within its outline, in [m].
         fit: its outline.
     """
+    if len(points) < MIN_SAG_POINTS:
+        return 0.0
     points = points[points[:, 2] > np.median(points[:, 2]) - 3.0 * LYING_HEIGHT_TOLERANCE_M]
     off = points[:, :2] - (fit.x, fit.y)
     cos, sin = math.cos(fit.heading), math.sin(fit.heading)

@@ -69,6 +69,15 @@ def test_the_same_path_has_the_same_places(placer: Placer, path: ToolPath, place
     assert again.segments == placed.segments
 
 
+def test_a_long_path_leaves_the_grid_of_the_next_one_as_it_was(placer: Placer, path: ToolPath) -> None:
+    spacing, bases = placer.spacing, placer.candidates(path)
+    stretched = path.points * (30.0, 30.0, 1.0)
+    placer.candidates(ToolPath(stretched, path.lengths * 30.0, *path[2:]))
+    assert placer.spacing > spacing
+    assert np.array_equal(placer.candidates(path), bases)
+    assert placer.spacing == spacing
+
+
 def test_one_more_place_has_to_be_worth_its_cost(placer: Placer, path: ToolPath, placed: Placements) -> None:
     fewest = len(placed.segments)
     free = placer.place(path, below, fewest + 2, cost=1e-6)

@@ -37,7 +37,12 @@ def standing_at(solid: KnownSolid, y: float = 0.0, turn: float = 0.3, x: float =
 
 
 def looked_at(
-    *bodies: Solid, views: Sequence[float] = VIEWS_RAD, seed: int = 0, aside: float = 0.0, **errors: float
+    *bodies: Solid,
+    views: Sequence[float] = VIEWS_RAD,
+    seed: int = 0,
+    aside: float = 0.0,
+    known: Sequence[KnownSolid] = KNOWN,
+    **errors: float,
 ) -> list[list[SolidCandidate]]:
     """Return what each thing on the table may be, largest first."""
     spec = DepthCameraSpec(width_px=240, height_px=180, focal_px=280, errors=DepthErrors(**errors))  # type: ignore[arg-type]
@@ -51,7 +56,7 @@ def looked_at(
         levelled = over_surface(view, AHEAD, SIZE_M)
         if levelled is not None:
             seen.append(levelled)
-    return [candidates(cluster, KNOWN) for cluster in standing_clusters(seen, SIZE_M)]
+    return [candidates(cluster, known) for cluster in standing_clusters(seen, SIZE_M)]
 
 
 @pytest.mark.parametrize("solid", KNOWN, ids=lambda item: item.name)
@@ -66,6 +71,14 @@ def test_known_solid_is_told_and_located(solid: KnownSolid) -> None:
     if not solid.is_round:
         yaw = math.atan2(found[0][0].surface_T_solid[1, 0], found[0][0].surface_T_solid[0, 0])
         assert abs(math.remainder(yaw - turn, math.pi)) < 0.03
+
+
+@pytest.mark.parametrize("width", [0.006, 0.009, 0.012])
+def test_narrow_boxes_are_told(width: float) -> None:
+    """No point on top of one is far from its edges."""
+    bar = KnownSolid("bar", (width, 0.12, 0.06))
+    (found,) = looked_at(standing_at(bar, turn=1.1), seed=1, known=(bar,))
+    assert [item.name for item in found] == ["bar"]
 
 
 def test_two_touching_boxes_are_neither() -> None:
