@@ -90,7 +90,8 @@ class CanLine(canopen.Network):
 
         Args:
             done: returns True if no more frames are needed; it is called after each frame.
-            seconds: longest time by the wall clock, in [s].
+            seconds: longest time by the wall clock, in [s]; frames that arrived before its end are received
+                also by a process that is late.
 
         Raises:
             can.CanError: the interface reports an error.
@@ -100,9 +101,11 @@ class CanLine(canopen.Network):
             self.drain()
             return bool(done())
         end = time.monotonic() + seconds
+        late = 0
         while not done():
-            left = end - time.monotonic()
-            frame = self._bus.recv(left) if left > 0.0 else None
+            left = max(0.0, end - time.monotonic())
+            late += left == 0.0
+            frame = self._bus.recv(left) if late <= _BURST else None
             if frame is None:
                 return bool(done())
             self._take(frame)

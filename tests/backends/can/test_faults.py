@@ -216,6 +216,17 @@ def test_a_line_waits_no_longer_than_told() -> None:
         assert line.malformed == 1
 
 
+def test_a_late_line_still_receives_what_has_arrived() -> None:
+    """A process that was held up for longer than the time-out finds the answer at the interface."""
+    with can.interfaces.virtual.VirtualBus("late") as bus, can.interfaces.virtual.VirtualBus("late") as far:
+        line, seen = CanLine(bus), []
+        line.subscribe(0x181, lambda *frame: seen.append(frame[1]))
+        for value in (1, 2):
+            far.send(can.Message(arbitration_id=0x181, data=[value], is_extended_id=False))
+        assert line.wait(lambda: len(seen) == 2, 0.0)
+        assert seen == [b"\x01", b"\x02"]
+
+
 @pytest.mark.parametrize(
     ("backend", "bench", "message"),
     [
