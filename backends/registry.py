@@ -31,6 +31,8 @@ SHIPPED_BACKENDS = {
 
 ENTRY_POINT_GROUP = "handcart.backends"
 DEFAULT_START = Pose2(0.0, 0.0, 0.0)
+SEEDS = range(-(2**63), 2**63)
+"""Seeds that a journal can hold: integers of 64 bits."""
 
 
 class UnknownBackend(InputError, KeyError):
@@ -95,7 +97,9 @@ def make_backend(
         FileError: the world's file is missing or invalid.
         NoWindow: the backend has no window.
         NoBench: the backend has no drives, or `bench` is not a simulated backend.
+        InputError: the seed has more than 64 bits.
     """
+    check_seed(seed)
     kind = backend_class(name)
     build: Callable[..., Backend] = kind.build_in_window if window else kind.build
     if bench is not None:
@@ -111,6 +115,16 @@ def make_backend(
 
     with as_world_file(world, start) as file:
         return build(robot, file, seed)
+
+
+def check_seed(seed: int, option: str = "seed") -> None:
+    """Check that a journal can hold a seed.
+
+    Raises:
+        InputError: it has more than 64 bits; the message begins with `option`.
+    """
+    if seed not in SEEDS:
+        raise InputError(f"{option} {seed}; allowed: {SEEDS.start} to {SEEDS.stop - 1}, integers of 64 bits")
 
 
 def bench_class(name: str, drives: str) -> type[Backend]:

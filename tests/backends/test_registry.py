@@ -11,6 +11,7 @@ from handcart.backends.kinematic.kinematic_backend import KinematicBackend
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import UnknownBackend, backend_names, make_backend
 from handcart.backends.simulation.world_files.load_world import load_world
+from handcart.files.errors import InputError
 from handcart.robotics.geometry.pose2 import Pose2
 
 
@@ -28,6 +29,11 @@ def test_an_unknown_name_is_told_with_the_nearest(tmp_path: Path) -> None:
     assert "kinematic" in backend_names()
     with pytest.raises(UnknownBackend, match="did you mean 'kinematic'"):
         make_backend("kinematik", load_robot("librarian"), tmp_path, seed=0)
+
+
+def test_a_seed_that_no_journal_can_hold_is_refused() -> None:
+    with pytest.raises(InputError, match=r"^seed 9223372036854775808; allowed: -9223372036854775808 to"):
+        make_backend("kinematic", load_robot("librarian"), None, seed=2**63)
 
 
 def test_a_backend_that_reads_files_itself_gets_one_for_a_map(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from handcart.backends.registry import check_seed
 from handcart.evaluation.campaigns.campaign import run_campaign
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting, Level, WorldGenerator
 from handcart.evaluation.campaigns.data.campaign_folder import RUNS, CampaignFolder
@@ -117,6 +118,8 @@ class AskedCampaign:
             raise NotPossible("--shard without --out; needed: the folder for this part")
         if self.shard is not None and self.until is not None:
             raise NotPossible("--until --shard; allowed: one of them, a part alone can't settle it")
+        check_seed(self.first, "--first")
+        check_seed(self.first + max(0, self.trials - 1), "--first: the last trial's seed")
         self._check_rare()
         if self.faults is not None:
             from handcart.evaluation.campaigns.fault_plan import load_faults

@@ -56,7 +56,9 @@ def bench(
     log: Annotated[
         Path | None, typer.Option(help="write time, positions, speeds and states of the drives into it")
     ] = None,
-    seconds: Annotated[float | None, typer.Option(help="duration in s (default: until Ctrl-C)")] = None,
+    seconds: Annotated[
+        float | None, typer.Option(min=0.0, help="duration in s (default: until Ctrl-C)")
+    ] = None,
     ros2: Annotated[
         bool, typer.Option("--ros2", help="simulate the topics of a robot's ROS 2 drivers instead")
     ] = False,

@@ -87,6 +87,7 @@ def test_faults_are_listed(handcart: Callable[..., Said]) -> None:
     [
         (("--fault", "falt@1"), "did you mean 'fault'"),
         (("--fault", "bus-off@1"), "happens at the program's own interface"),
+        (("--seconds", "nan"), "Invalid value for '--seconds'"),
         (("--fault", "fault@soon"), "allowed: NAME@SECONDS or NAME@SECONDS@NODE"),
         (("--interface", "udp_multicast", "--channel", "10.0.0.1"), "no CAN on udp_multicast 10.0.0.1"),
         (("--log", "nowhere/log.csv"), "nowhere/log.csv can't be written: No such file or directory"),
