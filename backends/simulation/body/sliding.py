@@ -45,7 +45,7 @@ def slide(
     joints = target.copy()
     for _ in range(_ROUNDS):
         off = goal - (arm.forward(joints) @ tip_point)[:3]
-        joints = np.clip(joints + _moved_by(arm, joints, off), arm.lower, arm.upper)
+        joints = arm.clipped(joints + _moved_by(arm, joints, off))
     return joints
 
 
@@ -57,7 +57,7 @@ def push_out(arm: ArmModel, joints: FloatArray, way: FloatArray) -> FloatArray:
         joints: (n,) joints before the displacement, in [rad] or [m].
         way: (3,) displacement of the hand in the base frame, in [m].
     """
-    return np.clip(joints + _moved_by(arm, joints, way), arm.lower, arm.upper)
+    return arm.clipped(joints + _moved_by(arm, joints, way))
 
 
 def _moved_by(arm: ArmModel, joints: FloatArray, way: FloatArray) -> FloatArray:

@@ -125,7 +125,7 @@ class RareEstimate:
 
 
 def interval(mean: float, sigma: float, count: int) -> tuple[float, float] | None:
-    """Return the 95 % interval of a positive mean, by Student's t distribution of the mean's logarithm.
+    """Return the 95 % interval of a positive probability, by Student's t distribution of its logarithm.
 
     A probability that is a product of shares has a skewed distribution; that of its logarithm is less skewed.
     The standard error of the logarithm follows by the delta method.
@@ -136,12 +136,12 @@ def interval(mean: float, sigma: float, count: int) -> tuple[float, float] | Non
         count: number of estimates.
 
     Returns:
-        Lower and upper end; None if there are fewer than two estimates or the mean is not positive.
+        Lower and upper end, at most 1; None if the mean is not positive, or there are fewer than two.
     """
     if count < 2 or mean <= 0.0:
         return None
     factor = math.exp(float(stdtrit(count - 1, 1.0 - INTERVAL_ERROR_RATE / 2.0)) * sigma / mean)
-    return mean / factor, mean * factor
+    return mean / factor, min(1.0, mean * factor)
 
 
 def _levels(populations: Sequence[Population]) -> tuple[LevelSeen, ...]:

@@ -33,7 +33,7 @@ def write_junit(path: Path, name: str, trials: Iterable[Trial], settling: Settli
         elif not trial.success and settling is None:
             _add(case, counts, "failures", f"{trial.summary['outcome']}: {words}")
         elif not trial.success:
-            SubElement(case, "system-out").text = f"{trial.summary['outcome']}: {words}"
+            SubElement(case, "system-out").text = _plain(f"{trial.summary['outcome']}: {words}")
     if settling is not None:
         case = _case(suite, counts, name, str(settling.claim))
         if not settling.verdict:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from xml.etree import ElementTree
+
 import numpy as np
 import pytest
 
-from handcart.backends.simulation.body.sliding import HAND_FRICTION
+from handcart.backends.loading.robot_loading import load_robot
+from handcart.backends.simulation.body.sliding import HAND_FRICTION, push_out
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import FloatArray
 from tests.backends.kinematic.conftest import Puppet
 
@@ -56,6 +60,19 @@ def lowered(puppet: Puppet) -> float:
         height -= 0.002
         puppet.to(0.45, -0.05, height)
     return float(hand(puppet)[2])
+
+
+def test_a_hand_is_pushed_out_at_any_turn_of_an_endless_joint() -> None:
+    """The joint has turned twice around; it was clipped to half a turn, and the arm swung around."""
+    spec = load_robot("librarian")
+    assert spec.arm is not None
+    urdf = ElementTree.fromstring(spec.urdf_text())
+    first = next(joint for joint in urdf.iter("joint") if joint.get("name") == spec.arm.joints[0])
+    first.set("type", "continuous")
+    arm = ArmModel(ElementTree.tostring(urdf, encoding="unicode"), spec.arm.joints)
+    joints = arm.clipped(np.full(arm.dof, 0.3)) + np.eye(arm.dof)[0] * 4.0 * np.pi
+    pushed = push_out(arm, joints, np.array([0.0, 0.002, 0.0]))
+    assert np.abs(pushed - joints).max() < 0.05
 
 
 def test_hand_sticks_within_the_cone_of_friction(at_desk: Puppet) -> None:

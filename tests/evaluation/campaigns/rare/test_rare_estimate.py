@@ -57,6 +57,13 @@ def test_the_interval_is_of_the_logarithm() -> None:
     assert math.log(high / 1e-4) == pytest.approx(2.228 * 0.2, rel=1e-3)  # Student's, 10 degrees
 
 
+def test_the_interval_of_a_probability_ends_at_one() -> None:
+    found = RareEstimate.of([trial((10, 0, 2, 10)), trial((10, 0, 0, 10))])
+    assert found.low is not None
+    assert found.low < found.probability == pytest.approx(0.1)
+    assert found.high == 1.0
+
+
 @pytest.mark.slow
 def test_intervals_hold_the_exact_value_as_often_as_they_say(tmp_path: Path) -> None:
     path = rare_walk(tmp_path)

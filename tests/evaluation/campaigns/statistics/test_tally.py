@@ -173,12 +173,13 @@ def test_junit_counts_trials_failures_and_errors(tmp_path: Path) -> None:
 
 
 def test_junit_of_a_claim_forgives_fails_and_never_false_outcomes(tmp_path: Path) -> None:
-    settling = Settling.heard("p > 0.9", range(6), TRIALS)
-    write_junit(tmp_path / "claim.xml", "walk", TRIALS, settling)
+    trials = [*TRIALS[:-1], trial(5, 97.0, 3, "9.25 mm\x1b off", fails=1)]
+    settling = Settling.heard("p > 0.9", range(6), trials)
+    write_junit(tmp_path / "claim.xml", "walk", trials, settling)
     suite = parse(tmp_path / "claim.xml").getroot()
     assert dict(suite.attrib) == {"name": "walk", "tests": "7", "failures": "2", "errors": "0"}
     said = [item.text for item in suite.iter("system-out")]
-    assert said == ["Fail: 8 mm off", "GiveUp: hand is empty", "Fail: 9.25 mm off"]
+    assert said == ["Fail: 8 mm off", "GiveUp: hand is empty", "Fail: 9.25 mm  off"]
 
 
 def test_pairs_are_matched_by_seed_whichever_is_missing() -> None:
