@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.cluster.hierarchy import fcluster, linkage
 
 from handcart.robotics.numerics.arrays import FloatArray, IntArray
+from handcart.robotics.numerics.compiled import compiled, compiled_for
 
 BREAK_M = 0.13  # between neighbouring points of different bodies
 PAIR_DISTANCE_M = 0.6  # between the outermost pieces of one body, such as two legs
@@ -38,57 +39,107 @@ def cluster_scan(points: FloatArray, sensor: FloatArray) -> ScanClusters:
         points: (n, 2) points of the scan in the order of their beams, in any one frame, in [m].
         sensor: (2,) position of the lidar in the same frame, in [m].
     """
-    labels = np.full(len(points), -1, dtype=np.int64)
     pieces, middles, widths = _pieces(points, sensor)
-    if not len(middles):
-        return ScanClusters(np.empty((0, 2)), np.empty(0), labels)
     bodies = _bodies(middles, widths)
-    count = int(bodies.max()) + 1
-    weights = np.bincount(bodies, minlength=count).astype(np.float64)
-    centres = np.column_stack([np.bincount(bodies, middles[:, i], count) / weights for i in (0, 1)])
-    outer = np.hypot(*(middles - centres[bodies]).T) + 0.5 * widths
-    radii = np.zeros(count)
-    np.maximum.at(radii, bodies, outer)
-    kept = np.flatnonzero(2.0 * radii <= MAX_EXTENT_M)
-    number = np.full(count, -1, dtype=np.int64)
-    number[kept] = np.arange(len(kept))
-    inside = pieces >= 0
-    labels[inside] = number[bodies[pieces[inside]]]
-    return ScanClusters(centres[kept], radii[kept], labels)
+    centres, radii, number = _measured(middles, widths, bodies)
+    labels = np.where(pieces >= 0, number[bodies[pieces]] if len(bodies) else -1, -1)
+    return ScanClusters(centres, radii, labels)
 
 
+@compiled_for("(f8[:,::1], f8[::1])")
 def _pieces(points: FloatArray, sensor: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
     """Return the piece of each point (n,), -1 for lone ones, and middles (k, 2) and widths (k,) of pieces."""
-    none = np.full(len(points), -1, dtype=np.int64)
-    if not len(points):
-        return none, np.empty((0, 2)), np.empty(0)
-    steps = np.hypot(*np.diff(points, axis=0).T)
-    pieces = np.concatenate([[0], np.cumsum(steps > BREAK_M)]).astype(np.int64)
-    if len(points) > 2 and pieces[-1] > 0 and np.hypot(*(points[0] - points[-1])) <= BREAK_M:
-        pieces[pieces == pieces[-1]] = 0
-    count = int(pieces.max()) + 1
-    sizes = np.bincount(pieces, minlength=count)
-    means = np.column_stack([np.bincount(pieces, points[:, i], count) for i in (0, 1)])
-    means = np.asarray(means / np.maximum(sizes, 1)[:, None])
-    away = np.hypot(*(means - sensor).T)
-    low, high = np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
-    np.minimum.at(low, pieces, points)
-    np.maximum.at(high, pieces, points)
-    widths = np.hypot(*(high - low).T)
-    enough = (sizes >= MIN_POINTS) & (widths <= MAX_EXTENT_M)
-    rays = (means - sensor) / np.maximum(away, 1e-9)[:, None]
-    middles = means + DEPTH_SHARE * widths[:, None] * rays
-    number = np.full(count, -1, dtype=np.int64)
-    number[enough] = np.arange(int(enough.sum()))
-    return number[pieces], middles[enough], widths[enough]
+    count = len(points)
+    piece, pieces = np.empty(count, dtype=np.int64), 0
+    for i in range(count):
+        pieces += i > 0 and _apart(points, i, i - 1) > BREAK_M
+        piece[i] = pieces
+    if count > 2 and pieces > 0 and _apart(points, 0, count - 1) <= BREAK_M:
+        for i in range(count - 1, -1, -1):  # the first and the last beam are neighbours
+            if piece[i] != pieces:
+                break
+            piece[i] = 0
+    low, high = np.full((pieces + 1, 2), np.inf), np.full((pieces + 1, 2), -np.inf)
+    total, sizes = np.zeros((pieces + 1, 2)), np.zeros(pieces + 1)
+    for i in range(count):
+        own = piece[i]
+        sizes[own] += 1.0
+        for k in range(2):
+            total[own, k] += points[i, k]
+            low[own, k] = min(low[own, k], points[i, k])
+            high[own, k] = max(high[own, k], points[i, k])
+    number, found = np.full(pieces + 1, -1, dtype=np.int64), 0
+    middles, widths = np.empty((pieces + 1, 2)), np.empty(pieces + 1)
+    for own in range(pieces + 1):
+        width = math.hypot(high[own, 0] - low[own, 0], high[own, 1] - low[own, 1])
+        if sizes[own] < MIN_POINTS or width > MAX_EXTENT_M:
+            continue
+        x, y = total[own, 0] / sizes[own], total[own, 1] / sizes[own]
+        away = max(math.hypot(x - sensor[0], y - sensor[1]), 1e-9)
+        middles[found, 0] = x + DEPTH_SHARE * width * (x - sensor[0]) / away
+        middles[found, 1] = y + DEPTH_SHARE * width * (y - sensor[1]) / away
+        widths[found], number[own] = width, found
+        found += 1
+    for i in range(count):
+        piece[i] = number[piece[i]]
+    return piece, middles[:found], widths[:found]
 
 
+@compiled
+def _apart(points: FloatArray, i: int, j: int) -> float:
+    return math.hypot(points[i, 0] - points[j, 0], points[i, 1] - points[j, 1])
+
+
+@compiled_for("(f8[:,::1], f8[::1])")
 def _bodies(middles: FloatArray, widths: FloatArray) -> IntArray:
-    """Return the body (k,) of each piece: small pieces near each other are one, large ones stay alone."""
-    bodies = np.arange(len(middles))
-    small = np.flatnonzero(widths < 0.5 * PAIR_DISTANCE_M)
-    if len(small) > 1:
-        groups = fcluster(linkage(middles[small], "complete"), PAIR_DISTANCE_M, "distance")
-        bodies[small] = len(middles) + groups
-    _, numbered = np.unique(bodies, return_inverse=True)
-    return np.asarray(numbered, dtype=np.int64)
+    """Return the body (k,) of each piece: small pieces near each other are one, large ones stay alone.
+
+    The two nearest bodies are joined until no two are as near (complete linkage). A body's number is that of
+    its first piece.
+    """
+    count = len(middles)
+    bodies, apart = np.arange(count), np.full((count, count), np.inf)
+    for i in range(count):
+        for j in range(i):
+            if max(widths[i], widths[j]) < 0.5 * PAIR_DISTANCE_M:
+                apart[i, j] = apart[j, i] = _apart(middles, i, j)
+    while True:
+        nearest, one, other = np.inf, 0, 0
+        for i in range(count):
+            for j in range(i):
+                if apart[i, j] < nearest:
+                    nearest, one, other = apart[i, j], j, i
+        if nearest > PAIR_DISTANCE_M:
+            return bodies
+        for i in range(count):
+            if i != one:
+                apart[one, i] = apart[i, one] = max(apart[one, i], apart[other, i])
+            apart[other, i] = apart[i, other] = np.inf
+            if bodies[i] == other:
+                bodies[i] = one
+
+
+@compiled_for("(f8[:,::1], f8[::1], i8[::1])")
+def _measured(
+    middles: FloatArray, widths: FloatArray, bodies: IntArray
+) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Return middles (b, 2) and radii (b,) of the bodies that are small enough, and the number (k,) among
+    them of the body whose first piece each piece is; -1 if it is none's.
+    """
+    count, found = len(bodies), 0
+    centres, radii, number = np.empty((count, 2)), np.empty(count), np.full(count, -1, dtype=np.int64)
+    for body in range(count):
+        x, y, parts, radius = 0.0, 0.0, 0, 0.0
+        for i in range(body, count):
+            if bodies[i] == body:
+                x, y, parts = x + middles[i, 0], y + middles[i, 1], parts + 1
+        if not parts:
+            continue
+        x, y = x / parts, y / parts
+        for i in range(body, count):
+            if bodies[i] == body:
+                radius = max(radius, math.hypot(middles[i, 0] - x, middles[i, 1] - y) + 0.5 * widths[i])
+        if 2.0 * radius <= MAX_EXTENT_M:
+            centres[found, 0], centres[found, 1], radii[found], number[body] = x, y, radius, found
+            found += 1
+    return centres[:found], radii[:found], number

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
+from handcart.robotics.numerics.compiled import compiled_for
 
 FREE_MARGIN_M = 0.15  # by which a beam has to have passed a point
 BEAMS_BESIDE = 1  # beams on each side that have to have passed it as well
@@ -26,7 +27,6 @@ class PastScan:
     """(n,) in [rad], ascending and evenly spaced, in the sensor frame."""
     ranges: FloatArray
     """(n,) in [m]; infinity without an echo, NaN where nothing is known."""
-    _clear: dict[float, FloatArray] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def spacing(self) -> float:
@@ -37,20 +37,6 @@ class PastScan:
     def goes_round(self) -> bool:
         """True if the beams cover a full turn, so that the first beam is the last one's neighbour."""
         return len(self.angles) * self.spacing > 2.0 * np.pi - 1.5 * self.spacing
-
-    def clear(self, reach: float) -> FloatArray:
-        """Return how far, (n,) in [m], the ground is free along each beam and its neighbours on both sides.
-
-        Args:
-            reach: distance in [m] up to which a beam without an echo counts as free.
-        """
-        if reach not in self._clear:
-            known = np.isfinite(self.ranges) | np.isposinf(self.ranges)
-            lengths = np.where(known, np.minimum(self.ranges, reach), 0.0)
-            border = {"mode": "wrap"} if self.goes_round else {"mode": "constant", "constant_values": 0.0}
-            padded = np.pad(lengths, BEAMS_BESIDE, **border)
-            self._clear[reach] = sliding_window_view(padded, 2 * BEAMS_BESIDE + 1).min(axis=1)
-        return self._clear[reach]
 
 
 def seen_free(points: FloatArray, past: PastScan, reach: float) -> BoolArray:
@@ -65,12 +51,36 @@ def seen_free(points: FloatArray, past: PastScan, reach: float) -> BoolArray:
     """
     if not len(points) or len(past.angles) < 2 * BEAMS_BESIDE + 2:
         return np.zeros(len(points), dtype=np.bool_)
-    rays = points - np.array(past.map_T_sensor[:2])
-    turned = np.arctan2(rays[:, 1], rays[:, 0]) - past.map_T_sensor.theta - past.angles[0]
-    beam = np.round(np.mod(turned, 2.0 * np.pi) / past.spacing).astype(np.int64)
-    clear = past.clear(reach)
-    if past.goes_round:
-        beam %= len(clear)
-    inside = beam < len(clear)
-    passed = np.where(inside, clear[np.where(inside, beam, 0)], 0.0)
-    return np.asarray(passed > np.hypot(rays[:, 0], rays[:, 1]) + FREE_MARGIN_M)
+    x, y, heading = past.map_T_sensor
+    first = heading + float(past.angles[0])
+    return _seen_free(points, past.ranges, x, y, first, past.spacing, past.goes_round, reach)
+
+
+@compiled_for("(f8[:,::1], f8[::1], f8, f8, f8, f8, b1, f8)")
+def _seen_free(
+    points: FloatArray,
+    ranges: FloatArray,
+    sensor_x: float,
+    sensor_y: float,
+    first: float,
+    spacing: float,
+    goes_round: bool,
+    reach: float,
+) -> BoolArray:
+    """Return the mask of `seen_free`; `first` is the direction of the first beam on the map, in [rad]."""
+    count = len(ranges)
+    free = np.zeros(len(points), dtype=np.bool_)
+    for i in range(len(points)):
+        x, y = points[i, 0] - sensor_x, points[i, 1] - sensor_y
+        beam = int(np.round(((math.atan2(y, x) - first) % (2.0 * math.pi)) / spacing))
+        if not goes_round and beam >= count:
+            continue
+        passed = np.inf
+        for other in range(beam - BEAMS_BESIDE, beam + BEAMS_BESIDE + 1):
+            if goes_round or 0 <= other < count:
+                length = ranges[other % count]
+                passed = min(passed, 0.0 if not length > -np.inf else min(length, reach))
+            else:
+                passed = 0.0
+        free[i] = passed > math.hypot(x, y) + FREE_MARGIN_M
+    return free

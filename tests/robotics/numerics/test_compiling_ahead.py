@@ -23,6 +23,11 @@ import numpy as np
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.runs.run_options import RunOptions
+from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.tracking.moving_tracks import BodyTrack, MovingTracks
+from handcart.robotics.navigation.tracking.people import People
+from handcart.robotics.navigation.tracking.seen_free import PastScan
+from handcart.robotics.navigation.tracking.yielding import safe_share, yielding_speed
 from handcart.robotics.numerics.compiled import COMPILED_AHEAD
 from handcart.robotics.numerics.compiling_ahead import types_of
 
@@ -30,6 +35,13 @@ run_task(Path("tasks/track_seam/task.yaml"), Path(sys.argv[1]), RunOptions())
 robot = load_robot("librarian")
 arm, home = robot.arm_model(), np.array(robot.posture("home"))
 list(arm.solutions(arm.forward(home), home + 0.1, restarts=2))
+tracks, walker = MovingTracks(6.0), np.array([[2.0, 0.0], [2.0, 0.05]])
+beams = np.radians(np.arange(360.0)), np.full(360, 5.0)
+for time in (0.0, 0.3):
+    tracks.take(walker, PastScan(time, Pose2(0.0, 0.0, 0.0), *beams), np.eye(3))
+track = BodyTrack(1, walker[0], np.zeros(2), np.eye(4), 0.3, True, 0.0)
+safe_share(Pose2(0.0, 0.0, 0.0), (0.5, 0.0), People.of([track]), 0.3, 1.0, 0.05)
+yielding_speed(walker, 1.0, People.of([track]), 0.3, 0.3)
 kernels = [each for module in COMPILED_AHEAD.values() for each in module]
 assert len(kernels) >= 8
 wrong = [kernel for kernel, types in kernels if kernel.dispatcher.signatures != [types_of(types)]]
@@ -71,7 +83,7 @@ with ahead.compiling_ahead():
 
 @pytest.mark.slow
 def test_it_is_compiled_for_what_runs_call_it_with(tmp_path: Path) -> None:
-    """And for nothing else; this task needs no inverse kinematics, which is called by itself."""
+    """And for nothing else; the task needs neither inverse kinematics nor people, called by themselves."""
     words = [sys.executable, "-c", RUNS, str(tmp_path)]
     said = subprocess.run(words, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True, timeout=300)
     assert said.stdout == "\n", "these are called with other types"
