@@ -54,7 +54,9 @@ def aimed_joints(
         views = list(aimed_views(arm, camera.carrier, camera.carrier_T_camera, point, posture))
         views.sort(key=lambda view: -_along(view[1], point, towards))
         for joints, base_T_camera in views:
-            if not collision.in_collision(joints) and not _is_hidden(collision, joints, base_T_camera, point):
+            if not collision.in_collision(joints) and not collision.touches(
+                joints, _sight(base_T_camera, point)
+            ):
                 return joints, base_T_camera
     return None
 
@@ -124,35 +126,29 @@ def _along(base_T_camera: Transform, point: FloatArray, towards: Sequence[FloatA
     return float(towards[0] @ back / np.linalg.norm(back)) if towards else 0.0
 
 
-def are_shown(
+def hidden_count(
     collision: CollisionModel, joints: FloatArray, base_T_camera: Transform, points: FloatArray
-) -> bool:
-    """Return whether neither the hand nor the object in it hides points from a camera on the hand.
+) -> int:
+    """Return how many points are hidden from a camera on the hand, by the hand, the object in it, or an
+    obstacle.
 
     Args:
-        collision: the arm with the object.
+        collision: the arm with the object, among the obstacles.
         joints: (n,) in [rad] or [m].
         base_T_camera: (4, 4) of the camera at these joints.
         points: (m, 3) in the base frame, in [m].
     """
-    seen_by = (collision, joints, base_T_camera)
-    return not any(_is_hidden(*seen_by, point, CORNER_SIGHT_WIDTH_M, NEAR_HAND_CAMERA_M) for point in points)
+    lines = [_sight(base_T_camera, point, CORNER_SIGHT_WIDTH_M, NEAR_HAND_CAMERA_M) for point in points]
+    return sum(collision.obstacle_touches(line) or collision.touches(joints, line) for line in lines)
 
 
-def _is_hidden(
-    collision: CollisionModel,
-    joints: FloatArray,
-    base_T_camera: Transform,
-    point: FloatArray,
-    width: float = SIGHT_WIDTH_M,
-    nearest: float = NEAR_CAMERA_M,
-) -> bool:
-    """Return whether the arm, or the object in its hand, is between the camera and a point.
+def _sight(
+    base_T_camera: Transform, point: FloatArray, width: float = SIGHT_WIDTH_M, nearest: float = NEAR_CAMERA_M
+) -> Box:
+    """Return the line of sight from a camera to a point as a body in the base frame.
 
     Args:
-        collision: the arm with the object.
-        joints: (n,) in [rad] or [m].
-        base_T_camera: (4, 4) of the camera at these joints.
+        base_T_camera: (4, 4) of the camera.
         point: (3,) in the base frame, in [m].
         width: width of the line of sight, in [m].
         nearest: distance from the camera at which sight begins, in [m].
@@ -167,5 +163,4 @@ def _is_hidden(
     pose[:3, 0] /= np.linalg.norm(pose[:3, 0])
     pose[:3, 1] = np.cross(pose[:3, 2], pose[:3, 0])
     pose[:3, 3] = base_T_camera[:3, 3] + line / length * (near + length - far) / 2
-    sight = Box(pose, (width, width, length - near - far), SIGHT_LINK)
-    return collision.touches(joints, sight)
+    return Box(pose, (width, width, length - near - far), SIGHT_LINK)

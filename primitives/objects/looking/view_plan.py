@@ -13,7 +13,7 @@ from handcart.backends.description.printed_tag import FACE_TURNS, PrintedTag
 from handcart.backends.robot.mounted_camera import HAND_LINK
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.objects.files.surface import ObjectSurface
-from handcart.primitives.objects.knowledge.aimed_view import aimed_joints, are_shown
+from handcart.primitives.objects.knowledge.aimed_view import aimed_joints, hidden_count
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.manipulation.grasping.camera_poses import camera_poses, from_direction
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
@@ -105,19 +105,23 @@ def view_joints(
         towards: unit vectors (3,) in the base frame from the point to the camera, the best ones first.
         distances: from the camera to the point, in [m], the best ones first; not used for a camera that
             is not on the hand.
-        shown: (m, 3) points in the base frame, in [m], that hand and held object should not hide from a
-            camera on the hand; views that show all of them come first (default: none).
+        shown: (m, 3) points in the base frame, in [m], that hand, held object and surroundings should not
+            hide from a camera on the hand; the first of the views that hide the fewest is taken (default:
+            none).
     """
     if robot.view_camera.carrier != HAND_LINK:
         return aimed_joints(robot, collision, point, towards)
     camera_T_hand = inverse(robot.camera.hand_T_camera)
-    here, partly = robot.arm.command(), None
+    here, best = robot.arm.command(), None
+    fewest = math.inf
     for distance, direction in product(distances, towards):
         for pose in camera_poses(point, direction, distance):
             joints = robot.arm_model.inverse(pose @ camera_T_hand, here, restarts=IK_RESTARTS)
             if joints is None or collision.in_collision(joints):
                 continue
-            if shown is None or are_shown(collision, joints, pose, shown):
+            hidden = 0 if shown is None else hidden_count(collision, joints, pose, shown)
+            if not hidden:
                 return joints, pose
-            partly = partly or (joints, pose)
-    return partly
+            if hidden < fewest:
+                best, fewest = (joints, pose), hidden
+    return best

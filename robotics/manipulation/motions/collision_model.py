@@ -64,6 +64,7 @@ class CollisionModel:
             self._add(held, HELD_NAME, joint, joint_T_tip)
         for obstacle in obstacles:
             self._add(obstacle, obstacle.name, 0, root_T_world)
+        self._surroundings = tuple(obstacles)
         self._obstacles = range(len(self._names) - len(obstacles), len(self._names))
         self._pair()
         self._known_ends: dict[bytes, bool] = {}
@@ -123,6 +124,19 @@ class CollisionModel:
         """
         other = CollisionModel(self.arm, (body,), self._held_body, self._world_T_base)
         return any(body.name in pair for pair in other.contacts(q))
+
+    def obstacle_touches(self, body: Shape) -> bool:
+        """Return whether an obstacle touches another body, posed in the frame of the obstacles."""
+        geometry, placed = coal_body(body), _placement(body.pose)
+        for obstacle in self._surroundings:
+            request, result = pin.coal.CollisionRequest(), pin.coal.CollisionResult()
+            request.security_margin = _TOUCH
+            pin.coal.collide(
+                geometry, placed, coal_body(obstacle), _placement(obstacle.pose), request, result
+            )
+            if result.isCollision():
+                return True
+        return False
 
     def line_free(self, q_from: FloatArray, q_to: FloatArray, step: float = 0.01) -> bool:
         """Return True if nothing collides on the straight joint line between two postures, ends included.
@@ -189,6 +203,10 @@ class CollisionModel:
         names = np.array([numbers[name] for name in self._names])
         paired &= ~may_touch[names[:, None], names] & np.triu(np.ones((count, count), dtype=bool), 1)
         self._bodies.setCollisionPairs(paired)
+
+
+def _placement(pose: Transform) -> object:
+    return pin.coal.Transform3s(pose[:3, :3], pose[:3, 3])
 
 
 @lru_cache(maxsize=1024)

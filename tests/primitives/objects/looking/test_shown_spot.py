@@ -10,7 +10,7 @@ import pytest
 
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.mounted_camera import HAND_LINK
-from handcart.primitives.objects.knowledge.aimed_view import are_shown
+from handcart.primitives.objects.knowledge.aimed_view import hidden_count
 from handcart.primitives.objects.looking.view_plan import view_joints
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
@@ -43,8 +43,8 @@ def test_view_past_the_held_object_comes_first(robot: Any) -> None:
     nearest = view_joints(robot, collision, SPOT, [UP], (0.3,))
     shown = view_joints(robot, collision, SPOT, [UP], (0.3,), FOOT)
     assert nearest is not None and shown is not None
-    assert not are_shown(collision, *nearest, FOOT)
-    assert are_shown(collision, *shown, FOOT)
+    assert hidden_count(collision, *nearest, FOOT) > 0
+    assert hidden_count(collision, *shown, FOOT) == 0
 
 
 def test_view_of_a_part_is_better_than_none(robot: Any) -> None:
@@ -52,4 +52,17 @@ def test_view_of_a_part_is_better_than_none(robot: Any) -> None:
     ring = SPOT + np.column_stack([0.12 * np.cos(TURNS), 0.12 * np.sin(TURNS), 0.0 * TURNS])
     part = view_joints(robot, collision, SPOT, [UP], (0.3,), ring)
     assert part is not None
-    assert not are_shown(collision, *part, ring)
+    assert 0 < hidden_count(collision, *part, ring) < len(ring)
+
+
+def test_view_over_a_wall_before_the_spot_comes_first(robot: Any) -> None:
+    """Seen from behind it, the wall itself would look like something at the spot."""
+    foot = SPOT + SIDES * (0.03, 0.03, 0.0)
+    wall = Box(transform((0.43, 0.0, 0.60)), (0.01, 0.4, 0.2), "wall")
+    low, high = np.array([-0.6, 0.0, 0.8]), np.array([0.0, 0.0, 1.0])
+    for around, direction in (((), low), ((wall,), high)):
+        collision = CollisionModel(robot.arm_model, around)
+        found = view_joints(robot, collision, SPOT, [low, high], (0.3,), foot)
+        assert found is not None
+        assert hidden_count(collision, *found, foot) == 0
+        assert found[1][:3, 3] == pytest.approx(SPOT + 0.3 * direction, abs=0.01)
