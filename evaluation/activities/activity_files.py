@@ -145,7 +145,7 @@ def _objects(room: Room) -> str:
             if level.thickness > 0.0 and (level.thickness < level.height or _is_part(piece, level)):
                 keys["thickness_m"] = round(min(level.thickness, level.height - LEGS_M), 4)
             if level.clearance is not None:
-                keys["clearance_m"] = level.clearance
+                keys |= {"clearance_m": level.clearance, "ceiling_m": round(level.ceiling, 4)}
             if level.walls:
                 keys["walls"] = list(level.walls)
             if level.wall_height is not None:

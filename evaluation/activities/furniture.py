@@ -55,6 +55,8 @@ class FurnitureLevel(NamedTuple):
     """
     wall_height: float | None = None
     """Height of the walls, in [m]; None if they reach up to the clearance."""
+    ceiling: float = 0.0
+    """Thickness of what is above the clearance, in [m]; 0 without a clearance."""
 
 
 @dataclass(frozen=True)
@@ -178,6 +180,6 @@ class Piece:
             walls = () if clearance is None else sides
             is_top = self.entry.form == "shelf" and clearance is None
             thick = height - self._board - self._opening if is_top else height
-            yield FurnitureLevel(
-                label, relation, x, -back, (width / count, depth), height, clearance, walls, thick
-            )
+            ceiling = 0.0 if clearance is None else self.entry.size_m[2] - height - clearance
+            place = (x, -back, (width / count, depth), height)
+            yield FurnitureLevel(label, relation, *place, clearance, walls, thick, None, ceiling)

@@ -21,7 +21,6 @@ Positive = Annotated[float, Field(gt=0.0)]
 Name = Annotated[str, Field(min_length=1, max_length=60)]
 PLACED_SIGMA_M, PLACED_SIGMA_RAD = 0.05, math.radians(4.0)  # of a surface from its pose in the file
 MAX_SIGMAS_MOVED = 3.0  # of it, by which a surface may be elsewhere
-CEILING_M = 0.04  # thickness of what is above a surface with a clearance
 WALL_M = 0.02  # thickness of walls at its sides
 FLOOR_M = 0.05  # thickness of what is below an area of the floor
 FLOOR_NAMES = ("floor", "the ground")
@@ -67,6 +66,8 @@ class ObjectSurface(LevelPose):
     """Size of the top along its own x and y."""
     clearance_m: Positive | None = None
     """Free height above it, up to the next board (default: open)."""
+    ceiling_m: Positive = 0.04
+    """Thickness of that board."""
     thickness_m: Positive | None = None
     """Thickness of the body below the top, as of a board (default: solid down to the floor)."""
     walls: tuple[Literal["+x", "-x", "+y", "-y"], ...] = ()
@@ -100,13 +101,13 @@ class ObjectSurface(LevelPose):
         middle = self.pose @ transform((0.0, 0.0, -thick / 2))
         result.append(Box(middle, (length, width, thick), name))
         if self.clearance_m is not None:
-            above = self.pose @ transform((0.0, 0.0, self.clearance_m + CEILING_M / 2))
-            result.append(Box(above, (length, width, CEILING_M), name))
+            above = self.pose @ transform((0.0, 0.0, self.clearance_m + self.ceiling_m / 2))
+            result.append(Box(above, (length, width, self.ceiling_m), name))
         return (*result, *self._walls(name, room))
 
     def _walls(self, name: str, room: float) -> Iterator[Box]:
         """Yield the walls, outside of its extent: from the floor up to their height, or to what is above."""
-        top = self.wall_m or (self.clearance_m or 0.0) + CEILING_M
+        top = self.wall_m or (self.clearance_m or 0.0) + self.ceiling_m
         thick = WALL_M + 2.0 * room
         for side in self.walls:
             axis, sign = WALL_SIDES[side]

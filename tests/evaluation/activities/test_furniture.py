@@ -41,3 +41,17 @@ def test_parts_of_furniture_have_names_of_their_own(name: str, entry: FurnitureE
     names = [part.name for part in piece.parts()]
     assert len(names) == len(set(names))
     assert {level.name for level in piece.levels()} <= set(names)
+
+
+@pytest.mark.parametrize(
+    ("name", "entry"), [(name, entry) for name, entry in CARRYING if entry.form == "shelf"]
+)
+def test_ceiling_of_a_shelf_ends_at_its_top(name: str, entry: FurnitureEntry) -> None:
+    """A thinner one let the arm carry a book into the roof of a car."""
+    inner = [
+        level for level in Piece("piece", f"{name}_1", entry, POSE).levels() if level.relation == "inside"
+    ]
+    assert inner
+    for level in inner:
+        assert level.clearance is not None
+        assert level.height + level.clearance + level.ceiling == pytest.approx(entry.size_m[2])

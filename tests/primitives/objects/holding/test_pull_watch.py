@@ -144,8 +144,11 @@ def test_reading_that_stands_still_is_a_fault() -> None:
 def test_missing_reading_is_no_pull_and_keeps_nobody_waiting() -> None:
     robot = FeltRobot()
     watch = watch_at_rest(robot)
-    assert pulls_in(watch, robot, [np.full(3, np.nan)] * 10) == []
+    pulls_in(watch, robot, [np.zeros(3)] * 10)
+    assert pulls_in(watch, robot, [np.full(3, np.nan)] * 4) == []
     assert watch.is_calm
+    with pytest.raises(Discrepancy, match="the force on the hand isn't measured"):
+        pulls_in(watch, robot, [np.full(3, np.nan)] * 4)
 
 
 def test_directions_have_words() -> None:
