@@ -77,9 +77,17 @@ def task_text(definition: Definition, room: Room, robot: str) -> str:
 
 
 def _steps(room: Room) -> list[dict[str, str]]:
-    """Return name, situation before, source and target of each move, sorted by source and target."""
+    """Return name, situation before, source and target of each move, sorted by source, height and target.
+
+    Of things from one source the taller ones are first: the arm finds no way between them to a low one.
+    """
     order = sorted(
-        room.at_end, key=lambda term: (room.at_first[term].level.name, room.at_end[term].level.name)
+        room.at_end,
+        key=lambda term: (
+            room.at_first[term].level.name,
+            -room.sizes[term].size_mm[2],
+            room.at_end[term].level.name,
+        ),
     )
     steps: list[dict[str, str]] = []
     before = "waiting"
