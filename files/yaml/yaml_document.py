@@ -19,7 +19,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
 from handcart.files.errors import FileError, Finding
-from handcart.files.regular_file import decode_text, read_regular_file
+from handcart.files.regular_file import MAX_LINE, decode_text, read_regular_file
 from handcart.files.yaml.yaml_builder import TreeBuilder
 from handcart.files.yaml.yaml_node import KeyPath, Node
 from handcart.files.yaml.yaml_syntax import syntax_error
@@ -101,9 +101,19 @@ class Document:
         return replace(self, root=self.root.replaced(path, value))
 
 
-def read_document(path: Path | str, *, max_bytes: int = MAX_BYTES, max_nodes: int = MAX_NODES) -> Document:
-    """Read the YAML file `path`; raise `FileError` if it is not readable or not valid YAML."""
-    document = parse_document(read_regular_file(path, max_bytes), str(path), max_nodes=max_nodes)
+def read_document(
+    path: Path | str,
+    *,
+    max_bytes: int = MAX_BYTES,
+    max_nodes: int = MAX_NODES,
+    longest_line: int | None = MAX_LINE,
+) -> Document:
+    """Read the YAML file `path`; raise `FileError` if it is not readable or not valid YAML.
+
+    The limits are those of `parse_document`, and the largest size of the file in bytes.
+    """
+    content = read_regular_file(path, max_bytes)
+    document = parse_document(content, str(path), max_nodes=max_nodes, longest_line=longest_line)
     return replace(document, root=_with_changes(Path(path), document.root))
 
 
@@ -135,18 +145,21 @@ def _with_changes(path: Path, root: Node) -> Node:
     return root
 
 
-def parse_document(content: bytes, file: str, *, max_nodes: int = MAX_NODES) -> Document:
+def parse_document(
+    content: bytes, file: str, *, max_nodes: int = MAX_NODES, longest_line: int | None = MAX_LINE
+) -> Document:
     """Return the document in the bytes of a YAML file.
 
     Args:
         content: bytes of the file.
         file: name of the file in messages.
         max_nodes: largest allowed number of values.
+        longest_line: largest length of a line, in characters; None: any length.
 
     Raises:
         FileError: the bytes are not valid YAML; the error has a finding for each fault.
     """
-    text = decode_text(content, file)
+    text = decode_text(content, file, longest_line)
     root = _fast_tree(text, file, max_nodes) or _tree(text, file, max_nodes)
     return Document(file, content, root)
 

@@ -27,6 +27,8 @@ HEADING_COLUMN = "heading_deg"
 LEAST_APART = 0.3  # [m] between two targets
 MAX_TARGETS = 5000  # targets
 LONGEST_NAME = 60  # characters
+MAX_GEOJSON_BYTES, MAX_GEOJSON_NODES = 1 << 23, 250_000
+"""Limits of a file of `MAX_TARGETS` points with some further properties each."""
 MAX_QUOTED_CHARACTERS = 60  # characters of what is wrong
 
 
@@ -149,7 +151,9 @@ def _csv(path: Path, wrong: Findings) -> Iterator[TargetRow]:
 
 
 def _geojson(path: Path, wrong: Findings) -> Iterator[TargetRow]:
-    document = read_document(path)
+    document = read_document(
+        path, max_bytes=MAX_GEOJSON_BYTES, max_nodes=MAX_GEOJSON_NODES, longest_line=None
+    )
     features, there = document.root.deepest(("features",))
     if not there or not isinstance(features.content, list):
         allowed = "allowed: a GeoJSON FeatureCollection of points"
@@ -163,11 +167,13 @@ def _geojson(path: Path, wrong: Findings) -> Iterator[TargetRow]:
             wrong.add(document.finding(key, "no point; allowed: a Point with longitude and latitude"))
             continue
         longitude, latitude = place.content[:2]
-        named, there = feature.deepest(("properties", "name"))
-        name = str(named.content) if there else str(number + 1)
-        words = {"name": name, "longitude_deg": _word(longitude), "latitude_deg": _word(latitude)}
+        words = {"longitude_deg": _word(longitude), "latitude_deg": _word(latitude)}
         columns = {"name": place.column, "longitude_deg": longitude.column, "latitude_deg": latitude.column}
-        yield TargetRow(place.line, columns, words)
+        for column in ("name", HEADING_COLUMN):
+            stated, there = feature.deepest(("properties", column))
+            if there and stated.content is not None:
+                words[column], columns[column] = _word(stated), stated.column
+        yield TargetRow(place.line, columns, {"name": str(number + 1), **words})
 
 
 def _word(node: Node) -> str:

@@ -98,6 +98,38 @@ def test_degrees_need_an_origin(tmp_path: Path) -> None:
     assert "origin" in message
 
 
+def geojson(*properties: dict[str, object], indent: int | None = None) -> str:
+    """Return points in a row, a metre from each other, with the given properties."""
+    features = [
+        {
+            "type": "Feature",
+            "geometry": {"type": "Point", "coordinates": [140.85 + 1e-5 * number, 38.2545]},
+            "properties": given,
+        }
+        for number, given in enumerate(properties)
+    ]
+    return json.dumps({"type": "FeatureCollection", "features": features}, indent=indent)
+
+
+@pytest.mark.parametrize("indent", [None, 1])
+def test_geojson_of_as_many_points_as_allowed_is_read(tmp_path: Path, indent: int | None) -> None:
+    """Libraries write it in one line, and maps' editors add properties."""
+    wide = FIELD.model_copy(update={"x_m": (-20.0, 6000.0)})
+    points = [{"name": f"p{number}", "fid": number, "elevation": 1.5} for number in range(5000)]
+    found = read(tmp_path, geojson(*points, indent=indent), "t.geojson", wide)
+    assert list(found) == [f"p{number}" for number in range(5000)]
+
+
+def test_properties_of_geojson_are_those_of_a_table(tmp_path: Path) -> None:
+    """Editors write null for what is not filled in."""
+    text = geojson({"name": None}, {"name": None, "heading_deg": None}, {"name": "c", "heading_deg": 90})
+    found = read(tmp_path, text, "t.geojson")
+    assert list(found) == ["1", "2", "c"]
+    assert found["c"].stand.theta == pytest.approx(math.pi / 2)
+    wrong = faults(tmp_path, geojson({"heading_deg": "north"}), "t.geojson")
+    assert "heading_deg is 'north'; allowed: a finite number" in wrong[0][2]
+
+
 @pytest.mark.parametrize("text", ["", "name,x\n", "name,x_m,y_m\n", "name,x_m,y_m,latitude_deg\na,1,1,1\n"])
 def test_a_list_without_targets_is_refused(tmp_path: Path, text: str) -> None:
     assert faults(tmp_path, text)
