@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from functools import cached_property
 from typing import Annotated, Literal, Self
 
@@ -41,6 +42,10 @@ class Catalogue(FileModel):
         if beyond := [book.accession for book in self.books if book.accession >= tags_of(self.tags)]:
             allowed = f"allowed: below {tags_of(self.tags)}"
             raise ValueError(f"the family {self.tags} has no tag {', '.join(map(str, beyond))}; {allowed}")
+        counts = Counter(book.accession for book in self.books)
+        if twice := [number for number, count in counts.items() if count > 1]:
+            several = f"several books have the tag {', '.join(map(str, twice))}"
+            raise ValueError(f"{several}; allowed: a tag of its own for each")
         return self
 
     @cached_property

@@ -128,7 +128,7 @@ def _wrong(found: object, kinds: Mapping[str, KnownSolid]) -> str:
     """Return what is wrong with a detection, and what is allowed; "" for nothing."""
     if not isinstance(found, Detection):
         return f"it is a {type(found).__name__}; allowed: Detection"
-    if found.kind not in kinds:
+    if not isinstance(found.kind, str) or found.kind not in kinds:
         return f"unknown kind {found.kind!r}{suggest(str(found.kind), kinds)}"
     for what, value, shape in (
         ("camera_T_object", found.camera_T_object, (4, 4)),

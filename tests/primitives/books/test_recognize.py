@@ -96,6 +96,13 @@ def test_a_number_beyond_its_family_is_told() -> None:
         Catalogue(format="handcart-catalogue/1", tags="4x4_50", books=(NAGEL,))
 
 
+def test_two_books_with_one_tag_are_refused() -> None:
+    with pytest.raises(
+        ValueError, match="several books have the tag 117; allowed: a tag of its own for each"
+    ):
+        Catalogue(format="handcart-catalogue/1", books=(NAGEL, NAGEL.model_copy(update={"call": "1 A"})))
+
+
 def test_two_books_on_the_tray_are_told(
     with_tray: Callable[..., Rig], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -57,6 +57,7 @@ def test_good_detection_is_passed_on() -> None:
         (None, "failed: TypeError"),
         ([(1, 2)], "detection 1: it is a tuple; allowed: Detection"),
         ([GOOD, GOOD._replace(kind="parcle")], "detection 2: unknown kind 'parcle'; did you mean 'parcel'?"),
+        ([GOOD._replace(kind=cast(Any, ["parcel"]))], r"unknown kind \['parcel'\]"),
         (
             [GOOD._replace(camera_T_object=np.eye(3))],
             r"camera_T_object has the shape \(3, 3\); allowed: \(4, 4\)",
