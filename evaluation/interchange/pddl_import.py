@@ -244,13 +244,16 @@ class _Planning:
         """Return the actions whose conditions may hold in some state, if nothing ever becomes false."""
         true, found, left = set(self._init), list[_Action](), list(grounded)
         while True:
-            now = [item for item in left if all(a in true for a, needed in item.needs.items() if needed)]
+            now, later = list[_Action](), list[_Action]()
+            for item in left:
+                can_start = all(atom in true for atom, needed in item.needs.items() if needed)
+                (now if can_start else later).append(item)
             if not now:
                 return found
             found += now
             if len(found) > MAX_DRAFT_ACTIONS:
                 raise TooLargeDraft
-            left = [item for item in left if item not in now]
+            left = later
             effects = [every for item in now for _, every in item.outcomes]
             true |= {atom for effect in effects for atom, truth in effect.items() if truth}
 

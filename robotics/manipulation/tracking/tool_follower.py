@@ -18,6 +18,7 @@ _JUMP = 0.5  # [rad] of a joint from a point to the next
 _EASES = 0.02  # [rad] at most from a point to the next, by which spare joints keep away from their limits
 _EAGER = 0.05  # of the way there
 _SINGULAR = 1e-3
+_LOCKED = 1e-9  # [rad]: half the range of a joint whose limits are equal
 
 
 class ToolFollower:
@@ -47,7 +48,8 @@ class ToolFollower:
         self.azimuth_tolerance = azimuth_tolerance
         self._chain = ScrewChain.of_arm(arm)
         self._spare = arm.dof > (6 if free == FreeTurn.NONE else 5)
-        self._middle, self._half = 0.5 * (arm.lower + arm.upper), 0.5 * (arm.upper - arm.lower)
+        self._middle = 0.5 * (arm.lower + arm.upper)
+        self._half = np.maximum(0.5 * (arm.upper - arm.lower), _LOCKED)  # of a joint that cannot move too
 
     def joints(self, path: ToolPath, world_T_base: Transform, near: FloatArray) -> FloatArray:
         """Return joint angles (p, n), in [rad], that put the tool at each point of the path, within the joint

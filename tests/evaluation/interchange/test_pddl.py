@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import pytest
@@ -82,6 +83,20 @@ def test_what_pddl_has_and_conditions_have_not_is_named(tmp_path: Path) -> None:
     (lost,) = import_file(tmp_path / "d.pddl").lost
     assert (lost.line, lost.construct) == (11, "(when (free) (at hall))")
     assert "the action wave is dropped" in lost.meaning
+
+
+def test_objects_of_many_combinations_are_grounded_in_seconds(tmp_path: Path) -> None:
+    """Of 91125 combinations, 2026 can be reached."""
+    move = "(and (at ?a) (bad ?c)) :effect (and (at ?b) (not (at ?a)))"
+    spoil = "(bad ?a) :effect (and (bad ?a) (not (bad ?a)))"
+    objects = " ".join(f"o{number}" for number in range(45))
+    (tmp_path / "d.pddl").write_text(f"""(define (domain d) (:predicates (at ?x) (bad ?x))
+      (:action move :parameters (?a ?b ?c) :precondition {move})
+      (:action spoil :parameters (?a) :precondition {spoil}))
+    (define (problem p) (:domain d) (:objects {objects}) (:init (at o0) (bad o0)) (:goal (at o1)))""")
+    begun = time.process_time()
+    assert len(import_file(tmp_path / "d.pddl").data["actions"]) == 2026
+    assert time.process_time() - begun < 30.0
 
 
 def test_best_policy_of_a_probabilistic_problem_takes_the_safe_road(tmp_path: Path) -> None:

@@ -63,6 +63,20 @@ def test_where_the_base_really_stopped_is_taken_in(
         assert follower.tool_errors(path, stopped, again).max() < 1e-7
 
 
+def test_joint_that_its_limits_hold_still_changes_nothing(path: ToolPath, planned: np.ndarray) -> None:
+    """A spare joint of no range."""
+    locked = '<joint name="j6" type="revolute"><parent link="e"/><child link="f"/><axis xyz="1 0 0"/>'
+    locked += '<limit lower="0" upper="0" velocity="1.5" effort="60"/></joint><link name="f"/>'
+    urdf = five_joint_urdf().replace('<joint name="tip" type="fixed"><parent link="e"/>', f"{locked}<joint "
+                                     'name="tip" type="fixed"><parent link="f"/>')  # fmt: skip
+    six = ToolFollower(
+        ArmModel(urdf, [f"j{number}" for number in range(1, 7)]), FreeTurn.VERTICAL, np.radians(60.0)
+    )
+    angles = six.joints(path, BASE.lift(), np.append(planned[0], 0.0))
+    assert six.tool_errors(path, BASE.lift(), angles).max() < 1e-7
+    assert np.abs(angles[:, 5]).max() < 1e-9
+
+
 def test_limits_hold_at_every_sample_with_the_tool_on_its_path(
     five: ArmModel, follower: ToolFollower, path: ToolPath, planned: np.ndarray
 ) -> None:
