@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import TextIO
@@ -17,6 +18,7 @@ from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.task.preparing import Prepared
 
 DRIVE_LOG_FILE = "drive.csv"
+PLACE_DIGITS = 9  # significant ones: a millimetre up to 1000 km from the origin
 TIME_RESOLUTION_S = 1e-4  # of the written times
 COLUMN_UNITS = {
     "time": "s",
@@ -99,11 +101,15 @@ def _row(robot: Robot, beacons: int) -> str:
     base = robot.backend.true_base()
     place = (math.nan,) * 3 if sensed.fix is None else (*sensed.fix.position.tolist(), sensed.fix.sigma)
     true = (math.nan,) * 3 if base is None else tuple(base)
-    values = [*sensed.rates.tolist(), *sensed.accelerations.tolist(), *sensed.rolled.tolist(), *place, *true]
-    if beacons:
-        values += [math.nan] * beacons if sensed.ranges is None else sensed.ranges.tolist()
-    cells = ["" if math.isnan(value) else f"{value:.6g}" for value in values]
+    felt = [*sensed.rates.tolist(), *sensed.accelerations.tolist(), *sensed.rolled.tolist()]
+    far = [] if not beacons else [math.nan] * beacons if sensed.ranges is None else sensed.ranges.tolist()
+    cells = [*_cells(felt, 6), *_cells([*place, *true], PLACE_DIGITS), *_cells(far, 6)]
     return ",".join([f"{robot.time:.4f}", *cells]) + "\n"
+
+
+def _cells(values: Iterable[float], digits: int) -> list[str]:
+    """Return numbers with so many significant digits, and nothing for NaN."""
+    return ["" if math.isnan(value) else f"{value:.{digits}g}" for value in values]
 
 
 def _kept(path: Path, time: float) -> list[str]:

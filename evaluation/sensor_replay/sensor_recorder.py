@@ -107,10 +107,11 @@ class SensorRecorder(LayeredBackend):
             self._write()
 
     def _write(self) -> None:
-        if self._file is None or self.lost:
+        if self._file is None:
             return
-        with self._losing():
-            write_block(self._file, self._periods)
+        if not self.lost:
+            with self._losing():
+                write_block(self._file, self._periods)
         self._periods = []
 
     @contextmanager

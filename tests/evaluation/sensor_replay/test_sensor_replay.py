@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import shutil
+import tracemalloc
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 from handcart.backends.backend import RobotFault
+from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.scan import Scan
 from handcart.backends.robot.guarded_base import GuardedBase
@@ -21,6 +23,7 @@ from handcart.evaluation.sensor_replay.plain_readings import NotRecordable, plai
 from handcart.evaluation.sensor_replay.recording_file import SENSORS_FILE, NoRecording
 from handcart.evaluation.sensor_replay.sensor_recorder import SensorRecorder
 from handcart.evaluation.sensor_replay.sensor_replay import ChangedFiles, SensorReplay, replay_sensors
+from handcart.evaluation.trials.rig import build_rig
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.past_runs.past_run import read_run
 from handcart.networks.runs.run_options import RunOptions
@@ -188,6 +191,27 @@ def test_a_full_disk_ends_the_recording_alone(
     folder = recorded(tmp_path, settings)
     assert read_run(folder).actions[0].outcome == "Success"
     assert "No space left" in (folder / "summary.json").read_text("utf-8")
+
+
+def test_nothing_is_kept_after_a_full_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("handcart.evaluation.sensor_replay.sensor_recorder.write_block", full)
+    rig = build_rig()
+    recorder = SensorRecorder(rig.backend)
+    recorder.open(tmp_path)
+    base = next(part for part in rig.backend.capabilities() if isinstance(part, Base))
+    tracemalloc.start()
+    sizes = []
+    for _ in range(3):
+        for _ in range(300):
+            recorder.pass_on(base, Base, "drive", 0.0, 0.0)
+            recorder.step()
+        sizes.append(tracemalloc.get_traced_memory()[0])
+    tracemalloc.stop()
+    recorder.close()
+    assert sizes[2] - sizes[1] < 30_000
 
 
 @pytest.mark.parametrize(
