@@ -44,7 +44,7 @@ def reseal(folder: Path, change: Callable[[list[dict[str, Any]]], None]) -> None
         wall = {key: value for key, value in wall.items() if key != "crc"} if isinstance(wall, dict) else {}
         record.pop("h", None)
         fields = {key: value for key, value in record.items() if key not in ("q", "p")}
-        line, last = seal(orjson.dumps({"q": number, "p": last, **fields}), wall)
+        line, last = seal(orjson.dumps({"q": number, "p": last, **fields}), orjson.dumps(wall)[:-1])
         lines.append(line)
     (folder / JOURNAL_FILE).write_bytes(b"".join(lines))
 

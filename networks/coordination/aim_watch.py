@@ -7,7 +7,7 @@ from datetime import time
 
 from handcart.backends.capabilities.battery import Battery
 from handcart.backends.robot.robot import Robot
-from handcart.networks.graph.aims import Aims, Interrupt
+from handcart.networks.graph.aims import NO_AIMS, Aims, Interrupt
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.journal.retracing import RunPosition
 
@@ -51,6 +51,7 @@ class AimWatch:
             charging: number of the interrupt at whose goal the battery is to be charged; None: none.
         """
         self._robot, self._aims, self._clock = robot, aims, clock
+        self._is_timed = aims != NO_AIMS
         self._round_began = began
         self._round_due: float | None = None
         if waits and aims.rounds is not None and aims.rounds.at:
@@ -94,9 +95,9 @@ class AimWatch:
         None if the task has no time-out.
         """
         limit = self._aims.time_out_s
-        if self._round_due is not None:
+        if limit is None or self._round_due is not None:
             return limit
-        return None if limit is None else limit - (self._robot.time - self._round_began)
+        return limit - (self._robot.time - self._round_began)
 
     @property
     def expected(self) -> tuple[float, str] | None:
@@ -120,6 +121,10 @@ class AimWatch:
             return True
         self._round_began, self._round_due = self._robot.time, None
         return False
+
+    def waits(self, situation: str) -> bool:
+        """Return whether a run waits in a situation for its next round, or for its battery's charge."""
+        return self._is_timed and (self.is_early() or self.is_charging(situation))
 
     def due(self, priority: int | None, situation: str) -> int | None:
         """Return the number of an interrupt (goal to pursue first) whose condition has come true; None if

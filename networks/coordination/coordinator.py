@@ -162,7 +162,7 @@ class Coordinator:
         while not self._route.arrived:
             self._supervision.between_actions()
             self._look_at_aims()
-            waits = self._aims.is_early() or self._aims.is_charging(self.situation)
+            waits = self._aims.waits(self.situation)
             if waits and self._route.priority is None:
                 yield
                 continue
@@ -266,7 +266,8 @@ class Coordinator:
             element = self.network.situations[action.source].element or action.source
             self._log.skip(action, element)
             return Success()
-        permitted = yield from self._permitted(action)
+        ask = self._permission
+        permitted = not action.permit if ask is None else (yield from self._permitted(action, ask))
         if permitted is None:
             return None
         if not permitted:
@@ -277,11 +278,9 @@ class Coordinator:
             return self._log.not_started(action, str(unknown), causes.NOT_KNOWN)
         return (yield from self._act(action, primitive))
 
-    def _permitted(self, action: Action) -> Generator[None, None, bool | None]:
+    def _permitted(self, action: Action, permission: Permission) -> Generator[None, None, bool | None]:
         """Return whether an action may start; None if the run has another aim before an answer comes."""
-        if self._permission is None:
-            return not action.permit
-        while (answer := self._permission(action)) is None:
+        while (answer := permission(action)) is None:
             self.life.ask()
             self.asks = action
             yield
@@ -315,6 +314,7 @@ class Coordinator:
             lambda why: self._restore(action, why),
             log,
             self.network.restoring,
+            is_checked=True,
         )
         limit, words = self._limit(action)
         outcome = yield from self._supervision.to_its_end(periods, limit, words)

@@ -70,7 +70,7 @@ class Journal:
         try:
             self._file = os.open(path, _FLAGS, 0o600)
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            self._identity = _identity(os.fstat(self._file))
+            self._note_identity()
             sync_folder(path.parent)
         except OSError as error:
             raise JournalError(path, f"can't be created: {error.strerror}") from None
@@ -110,7 +110,7 @@ class Journal:
             raise JournalError(path, f"can't be opened: {error.strerror}") from None
         try:
             _lock(self._file, path.parent)
-            self._identity = _identity(os.fstat(self._file))
+            self._note_identity()
             if os.fstat(self._file).st_size != contents.size:
                 raise JournalError(path, "has changed since it was read")
             if contents.torn_at is not None:
@@ -161,6 +161,8 @@ class Journal:
         Raises:
             JournalError: the disk is full, the file is gone, or an earlier record could not be written.
         """
+        if self._poisoned:
+            raise JournalError(self.path, self._poisoned)
         number = self._next
         try:
             if time_s != self._time_s:
@@ -171,8 +173,19 @@ class Journal:
             raise self._poison(f"record {number} ({kind}) is not valid JSON: {error}") from None
         # `round(..., 6)` takes several times as long for numbers of this size.
         unix_s = round(self._clock() * 1e6) / 1e6
-        line, checksum = seal(body, {"unix_s": unix_s, **wall} if wall else {"unix_s": unix_s})
-        self._write(line, is_followed)
+        when = orjson.dumps({"unix_s": unix_s, **wall})[:-1] if wall else b'{"unix_s":' + orjson.dumps(unix_s)
+        line, checksum = seal(body, when)
+        try:
+            if not is_followed:
+                self._check_not_replaced()
+            size = len(line)
+            if os.write(self._file, line) != size:
+                self._write_again(line)
+            if self._disk is not None:
+                self._disk.ask()
+        except OSError as error:
+            raise self._poison(f"can't be written: {error.strerror}") from None
+        self._size += size
         self._next, self._last = number + 1, checksum
         return number
 
@@ -210,20 +223,16 @@ class Journal:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _write(self, line: bytes, is_followed: bool) -> None:
-        if self._poisoned:
-            raise JournalError(self.path, self._poisoned)
-        try:
-            if not is_followed and _identity(os.stat(self._name)) != self._identity:
-                raise self._poison("was replaced while it was written")
-            size = len(line)
-            if os.write(self._file, line) != size:
-                self._write_again(line)
-            if self._disk is not None:
-                self._disk.ask()
-        except OSError as error:
-            raise self._poison(f"can't be written: {error.strerror}") from None
-        self._size += size
+    def _note_identity(self) -> None:
+        """Keep device and inode of the file, by which it is recognized later."""
+        stat = os.fstat(self._file)
+        self._device, self._inode = stat.st_dev, stat.st_ino
+
+    def _check_not_replaced(self) -> None:
+        """Raise `JournalError` if another file has the journal's name now, `OSError` if none has."""
+        stat = os.stat(self._name)
+        if stat.st_ino != self._inode or stat.st_dev != self._device:
+            raise self._poison("was replaced while it was written")
 
     def _write_again(self, line: bytes) -> None:
         """Write a record once more, of which only a part was written."""
@@ -267,10 +276,6 @@ def plain_json(value: Any) -> Any:
     give.
     """
     return orjson.loads(orjson.dumps(value, default=_plain, option=_OPTIONS))
-
-
-def _identity(stat: os.stat_result) -> tuple[int, int]:
-    return stat.st_dev, stat.st_ino
 
 
 def _plain(value: object) -> Any:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import zlib
 from bisect import bisect_right
-from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
@@ -45,18 +44,19 @@ class JournalContents:
     """Size of the file, in [bytes]."""
 
 
-def seal(body: bytes, wall: Mapping[str, Any]) -> tuple[bytes, str]:
+def seal(body: bytes, wall: bytes) -> tuple[bytes, str]:
     """Return the line for a record, and its checksum.
 
     Args:
         body: a JSON object as orjson writes it, including the checksum of the record before it.
-        wall: fields that differ between two runs of one seed, such as `unix_s`, in [s] since 1970. They have
-            a checksum of their own, which the next record does not contain.
+        wall: a JSON object as orjson writes it, without its last brace. Its fields differ between two runs of
+            one seed, such as `unix_s`, in [s] since 1970. They have a checksum of their own, which the next
+            record does not contain.
     """
     digest = _HASH.copy()
     digest.update(body)
     checksum = digest.hexdigest()
-    head = b'%b,"h":"%b","wall":%b' % (body[:-1], checksum.encode(), orjson.dumps(wall)[:-1])
+    head = b"".join((body[:-1], b',"h":"', checksum.encode(), b'","wall":', wall))
     return b'%b,"crc":"%08x"}}\n' % (head, zlib.crc32(head)), checksum
 
 
@@ -149,7 +149,7 @@ def _checked(line: bytes) -> dict[str, Any] | None:
         record: dict[str, Any] = orjson.loads(line)
         body = {key: value for key, value in record.items() if key not in ("h", "wall")}
         wall = {key: value for key, value in record["wall"].items() if key != "crc"}
-        again, checksum = seal(orjson.dumps(body), wall)
+        again, checksum = seal(orjson.dumps(body), orjson.dumps(wall)[:-1])
     except (orjson.JSONDecodeError, KeyError, TypeError, AttributeError):
         return None
     whole = again == line and checksum == record["h"] and {"q", "p", "t", "kind"} <= body.keys()

@@ -101,8 +101,9 @@ class RunLog(Intents):
             record: records.StartRecord = {"n": self.started, "action": self._words(action, primitive)}
             if at is not None:
                 record["at"] = measured_fields(at)
-            self._write("START", record)
-        self._tell(lambda: Started(self._robot.time, self.started, action, primitive, fails))
+            self._journal.append("START", self._robot.time, record)
+        if self._observers:
+            self._tell(lambda: Started(self._robot.time, self.started, action, primitive, fails))
 
     def intends(self, effect: str) -> None:
         """Log that the running action is about to do something that cannot simply be repeated."""
@@ -137,6 +138,8 @@ class RunLog(Intents):
             at: snapshot of the robot; None if none was measured.
         """
         self._changes = changes = self._model.taken_changes()
+        if self._journal is None and self._keep is None:
+            return
         record = outcome_record(self.started, outcome)
         if changes:
             record["learned"] = changes
@@ -144,11 +147,14 @@ class RunLog(Intents):
             _add_causes(record, primitive.evidence, outcome.residuals.limits)
         if at is not None:
             record["at"] = measured_fields(at)
-        after = "" if self._journal is None else self._journal.last
-        kept = None if self._keep is None else self._keep(record, after)
-        # Outside the chain: a physics engine's state is not the same bytes in two runs of one seed.
-        # Nothing is acted on before the next record, such as START or END.
-        self._write("RESULT", record, _NOTHING if kept is None else {"checkpoint": kept}, is_followed=True)
+        wall = _NOTHING
+        if self._keep is not None:
+            kept = self._keep(record, "" if self._journal is None else self._journal.last)
+            # Outside the chain: a physics engine's state is not the same bytes in two runs of one seed.
+            wall = _NOTHING if kept is None else {"checkpoint": kept}
+        if self._journal is not None:
+            # Nothing is acted on before the next record, such as START or END.
+            self._journal.append("RESULT", self._robot.time, record, wall, True)
 
     def result_kept(self, action: Action, primitive: ActionPrimitive, outcome: Outcome) -> None:
         """Notify the observers of a result that is safely in the journal."""
@@ -157,8 +163,9 @@ class RunLog(Intents):
 
     def result_told(self, action: Action, primitive: ActionPrimitive, outcome: Outcome) -> None:
         """Notify the observers of a result in the journal, which may not be on the disk yet."""
-        changes = self._changes
-        self._tell(lambda: Ended(self._robot.time, self.started, action, primitive, outcome, changes))
+        if self._observers:
+            changes = self._changes
+            self._tell(lambda: Ended(self._robot.time, self.started, action, primitive, outcome, changes))
 
     def stopped(self, cause: str, asked: float) -> None:
         """Log that the robot was commanded to stop just now.
@@ -240,15 +247,9 @@ class RunLog(Intents):
             self._said[action.index] = words
         return words
 
-    def _write(
-        self,
-        kind: str,
-        fields: Mapping[str, object],
-        wall: Mapping[str, Any] = _NOTHING,
-        is_followed: bool = False,
-    ) -> None:
+    def _write(self, kind: str, fields: Mapping[str, object]) -> None:
         if self._journal is not None:
-            self._journal.append(kind, self._robot.time, fields, wall, is_followed)
+            self._journal.append(kind, self._robot.time, fields)
 
     def _tell(self, event: Callable[[], Event]) -> None:
         if self._observers:

@@ -57,6 +57,7 @@ def attempt(
     on_restore: Callable[[str], None] = lambda reason: None,
     intents: Intents = UNRECORDED_INTENTS,
     patience: Patience = NO_PATIENCE,
+    is_checked: bool = False,
 ) -> Generator[None, None, Outcome]:
     """Run a primitive to its outcome; one `yield` is one period, after which the caller steps the robot.
 
@@ -71,9 +72,11 @@ def attempt(
         on_restore: called with the reason when restoring begins.
         intents: receiver of the primitive's announcements; no command is sent before they are stored.
         patience: limits on repeating the restoring if a fault breaks it off.
+        is_checked: True if the preconditions were checked just now. They are checked again only if the robot
+            has to come to rest first.
     """
     if primitive.only_knowledge:
-        return (yield from _think(primitive, robot, model))
+        return (yield from _think(primitive, robot, model, is_checked))
     view = model.view(primitive)
     primitive._intents, displaced = intents, robot.localization.displacements
     try:
@@ -147,10 +150,12 @@ def _not_begun(primitive: ActionPrimitive, robot: Robot, rests: bool) -> GiveUp:
     return GiveUp(cause.reason, cause=cause.kind)
 
 
-def _think(primitive: ActionPrimitive, robot: Robot, model: WorldModel) -> Generator[None, None, Outcome]:
+def _think(
+    primitive: ActionPrimitive, robot: Robot, model: WorldModel, is_checked: bool
+) -> Generator[None, None, Outcome]:
     """Attempt a primitive that only changes knowledge: nothing moves, so nothing has to be restored."""
     try:
-        if unmet := find_unmet(primitive, robot, model):
+        if not is_checked and (unmet := find_unmet(primitive, robot, model)):
             raise Discrepancy(unmet, check="precondition", cause=causes.PRECONDITION)
         yield from primitive.motion(robot, model.view(primitive))
         return Success(dict(primitive.facts), primitive.evidence.result)
