@@ -10,11 +10,14 @@ from typing import Any
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from ruamel.yaml.composer import Composer
-from ruamel.yaml.nodes import CollectionNode, Node, ScalarNode
+from ruamel.yaml.error import YAMLError
+from ruamel.yaml.nodes import CollectionNode, Node, ScalarNode, SequenceNode
 from typing_extensions import override
 
 _REST = re.compile(r"(?P<data>[\]},\s]*?(?::(?:\s*\*\S+)?)?\s*?)(?P<comment>(?<=\s)#[^\n]*)?(?P<end>\s*)")
 """What may follow the last value of an item in its line: closing brackets, or an alias, and a comment."""
+_GAP = re.compile(r" +(?=#)")
+"""Spaces between a value and its comment."""
 
 
 class _KeepingComposer(Composer):
@@ -56,7 +59,85 @@ def edited(text: str, change: Callable[[Any], None]) -> str:
     change(data)
     out = StringIO()
     yaml.dump(data, out)
-    return out.getvalue()
+    return _with_old_lines(text, out.getvalue())
+
+
+def _with_old_lines(before: str, after: str) -> str:
+    """Return the text `after`, with the values that are also in `before` divided into lines as there."""
+    old, new = _composed(before), _composed(after)
+    if old is None or new is None:
+        return after
+    spans = sorted(_equal_spans(old, new, set()), key=lambda span: (span[1].start, -span[1].stop))
+    text, done = "", 0
+    for there, here in spans:
+        if here.start < done:  # an alias of a part of the value before
+            continue
+        gaps = _GAP.match(before, there.stop), _GAP.match(after, here.stop)
+        ends = [gap.end() for gap in gaps if gap] if all(gaps) else [there.stop, here.stop]
+        text += after[done : here.start] + before[there.start : ends[0]]
+        done = ends[1]
+    text += after[done:]
+    try:
+        return text if _is_same(new, _composed(text)) else after
+    except YAMLError:  # lines that are indented too little at their new place
+        return after
+
+
+def _composed(text: str) -> Any:
+    """Return the root of a YAML text's nodes; None if it holds comments only."""
+    return YAML(typ="safe", pure=True).compose(text)
+
+
+def _equal_spans(old: Node, new: Node, seen: set[int]) -> Iterator[tuple[slice, slice]]:
+    """Yield the places in two texts of each value that both have with the same indentation.
+
+    Indented lists and mappings are not values in this sense, but those in brackets are.
+
+    Args:
+        old: value in the first text.
+        new: value at the same place in the second text.
+        seen: identities of values of the second text that were visited; an alias is visited once.
+    """
+    if id(new) in seen:
+        return
+    seen.add(id(new))
+    if isinstance(new, CollectionNode) and not new.flow_style:
+        if type(old) is type(new) and not old.flow_style:
+            for one, other in _pairs(old, new):
+                yield from _equal_spans(one, other, seen)
+    elif old.start_mark.column == new.start_mark.column and _is_same(old, new):
+        yield _span(old), _span(new)
+
+
+def _pairs(old: CollectionNode, new: CollectionNode) -> Iterator[tuple[Node, Node]]:
+    """Yield the values at the same places of two lists, or with the same keys of two mappings."""
+    if isinstance(new, SequenceNode):
+        yield from zip(old.value, new.value, strict=False)
+        return
+    values = {key.value: value for key, value in old.value if isinstance(key, ScalarNode)}
+    for key, value in new.value:
+        if isinstance(key, ScalarNode) and key.value in values:
+            yield values[key.value], value
+
+
+def _is_same(one: Node, other: Node) -> bool:
+    """Return whether two values are equal, whatever their lines and quotes."""
+    if one.tag != other.tag or one.anchor != other.anchor:
+        return False
+    if not isinstance(one, CollectionNode):
+        return bool(one.value == other.value)
+    if len(one.value) != len(other.value):
+        return False
+    if isinstance(one, SequenceNode):
+        return all(map(_is_same, one.value, other.value))
+    return all(
+        _is_same(key, key_) and _is_same(value, value_)
+        for (key, value), (key_, value_) in zip(one.value, other.value, strict=True)
+    )
+
+
+def _span(node: Node) -> slice:
+    return slice(node.start_mark.index, node.end_mark.index)
 
 
 def with_comments(text: str, key: str, comments: Mapping[int, str], earlier: re.Pattern[str]) -> str:
@@ -71,8 +152,7 @@ def with_comments(text: str, key: str, comments: Mapping[int, str], earlier: re.
         comments: comments, each in one line, by the numbers of their items from 0.
         earlier: pattern of what a new comment replaces in an existing one.
     """
-    root = YAML(typ="safe", pure=True).compose(text)
-    found = next(value for name, value in root.value if name.value == key)
+    found = next(value for name, value in _composed(text).value if name.value == key)
     lines = text.splitlines(keepends=True)
     for number, comment in comments.items():
         item = found.value[number]

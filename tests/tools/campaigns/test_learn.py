@@ -218,6 +218,28 @@ def test_comments_and_blank_lines_of_a_file_are_kept(handcart: Callable[..., Sai
         assert load_task(tour).file.actions[1].p == pytest.approx((count + 1) / (count + 2.1), abs=1e-3)
 
 
+LONG_ROWS = """\
+start: a
+goal: z
+situations: {a: {}, b: {}, stuck: {}, z: {}}
+actions:
+  - {do: MODIFY, from: a, to: z, on_fail: stuck,
+     cost_s: 10, p: 0.5, with: {place: shelf_3}}
+  - {do: MODIFY, from: b, to: z,
+     cost_s: 12, p: 0.9,
+     with: {place: shelf_3}}
+"""
+
+
+def test_rows_that_are_not_changed_keep_their_lines(handcart: Callable[..., Said], tour: Path) -> None:
+    """No trial starts the second action."""
+    tour.write_text(tour.read_text().partition("\nstart:")[0] + "\n" + LONG_ROWS)
+    assert handcart("learn", recorded(tour, 20, "first"), "--write").status == 0
+    after = tour.read_text()
+    assert re.search(r" of 20, ", after)
+    assert after.endswith(LONG_ROWS[LONG_ROWS.index("  - {do: MODIFY, from: b") :])
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(path.parent.name for path in TASKS.glob("*/task.yaml")))
 def test_each_shipped_task_can_be_learned_again_and_again(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import pytest
 
@@ -97,3 +98,35 @@ def test_items_without_a_line_of_their_own_get_no_comment(text: str, after: str)
 )
 def test_comments_before_and_behind_a_value_are_kept(text: str) -> None:
     assert edited(text, lambda data: None) == text
+
+
+LONG_ROWS = """\
+rows:
+  - {do: A, p: 0.5,
+     with: [1,
+            2]}  # mine
+  - {do: B, p: 0.5,
+     x: &x {y: 1,
+            z: 2}}
+  - do: C
+    text: in
+      two lines
+    again: *x
+"""
+
+
+def test_values_that_are_not_changed_keep_their_lines() -> None:
+    def change(data: Any) -> None:
+        data["rows"][1]["p"] = 0.7
+
+    assert edited(LONG_ROWS, lambda data: None) == LONG_ROWS
+    after = edited(LONG_ROWS, change)
+    first, _, last = LONG_ROWS.split("  - ", 3)[1:]
+    assert after == f"rows:\n  - {first}  - {{do: B, p: 0.7, x: &x {{y: 1, z: 2}}}}\n  - {last}"
+
+
+def test_lines_that_do_not_fit_a_new_indentation_are_joined() -> None:
+    """The list is indented, and its rows would begin to the left of it."""
+    text = "rows:\n- do:\n  - {a: 1,\n   b: 2}\n"
+    after = edited(text, lambda data: data["rows"].append(1))
+    assert after == "rows:\n  - do:\n      - {a: 1, b: 2}\n  - 1\n"
