@@ -6,6 +6,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -85,6 +86,7 @@ def execute(
         NotKept: the run has ended, but its summary or telemetry cannot be written.
     """
     began, options = clock(), options or RunOptions()
+    options = replace(options, permits=_permits(prepared, options))
     run_dir.mkdir(parents=True, exist_ok=True)
     telemetry = Telemetry()
     with ExitStack() as whole:
@@ -93,7 +95,7 @@ def execute(
         with ExitStack() as stack:
             coordinator = _coordinator(stack, prepared, run_dir, options, past, observers)
             heard.stop_by(lambda: coordinator.request(Request.INTERRUPT))
-            permits = _permits(prepared, options)
+            permits = _permits(prepared, options)  # those that the coordinator asks
             operation = stack.enter_context(Operation(run_dir, coordinator, permits, prepared.robot))
             for observer in observers:
                 observer.begin(prepared, run_dir)

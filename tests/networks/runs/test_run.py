@@ -19,6 +19,7 @@ from handcart.networks.events.run_end import RunEnd
 from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import JournalError, read_journal, without_wall
+from handcart.networks.operator.operation import Operation
 from handcart.networks.past_runs.action_log import ActionLog
 from handcart.networks.past_runs.past_run import read_run
 from handcart.networks.run_files.telemetry import load_track
@@ -126,6 +127,39 @@ def test_the_log_of_actions_says_what_the_journal_does(
         replace(item, result={}) for item in kept
     ]
     assert [action.reason for action in log.actions] == [item.reason for item in kept]
+
+
+class Asked(RunObserver):
+    """Operator that steps a run from its begin, and permits each action."""
+
+    operation: Operation
+
+    def __init__(self) -> None:
+        self.asked: list[str] = []
+
+    def begin(self, prepared: Prepared, run_dir: Path) -> None:
+        assert self.operation.answer({"do": "step"})["ok"]
+
+    def period(self, robot: Robot) -> None:
+        asks = self.operation.status()["asks"]
+        if asks is not None:
+            self.asked.append(asks["do"])
+            assert self.operation.answer({"do": "permit"})["ok"]
+
+
+def test_a_run_without_permits_of_its_own_can_be_stepped(
+    prepare: Callable[..., tuple[Stand, Prepared]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    operator = Asked()
+
+    def operation(*parts: Any) -> Operation:
+        operator.operation = Operation(*parts)
+        return operator.operation
+
+    monkeypatch.setattr("handcart.networks.runs.run.Operation", operation)
+    end, _ = execute(prepare(periods="3")[1], tmp_path / "run", RunOptions(observers=(operator,)))
+    assert end.outcome == "Success"
+    assert operator.asked == ["THINK", "DRIVE"]
 
 
 def test_same_seed_same_journal(prepare: Callable[..., tuple[Stand, Prepared]], tmp_path: Path) -> None:
