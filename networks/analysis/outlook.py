@@ -32,7 +32,7 @@ class Outlook(NamedTuple):
     succeeded: float
     """Probability once the action has succeeded; the mean over its results if it has several."""
     refused: float
-    """Probability if the action is refused, which counts as its Fail."""
+    """Probability if the action is refused, which uses up one of its attempts."""
 
 
 def outlook(task: Task, situation: str, counts: Mapping[int, int], action: int) -> Outlook:
@@ -62,13 +62,13 @@ def outlook(task: Task, situation: str, counts: Mapping[int, int], action: int) 
     for planner in (done, failed):
         planner.counts.update(counts)
     done.succeeded(one)
-    failed.failed(one, "")
+    failed.refused(one, "")
     ends = one.target, *(other.target for other in one.others)
     shares = success_shares(one, network_chances(task)[action] or Chance(1.0))
     return Outlook(
         _goal(task, situation, counts),
         sum(p * _goal(task, end, done.counts) for p, end in zip(shares, ends, strict=True) if p > 0.0),
-        _goal(task, one.on_fail or situation, failed.counts),
+        _goal(task, situation, failed.counts),
     )
 
 

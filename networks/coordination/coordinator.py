@@ -83,7 +83,7 @@ class Coordinator:
         self._supervision = Supervision(robot, self.life, self._log.stopped)
         self._watch = WorldWatch(robot, network, standing.seen if standing else {})
         self._permission = permission
-        self._cause = ""
+        self._cause = standing.cause if standing else ""
         self._aims = aim_watch(robot, network, standing, clock)
 
     def request(self, what: Request, number: int | None = None) -> bool:
@@ -139,6 +139,7 @@ class Coordinator:
         try:
             end = yield from self._pursue()
         except Interrupted as interrupted:
+            self.asks = None
             end = self._end("Cancelled", interrupted.reason)
         self.life.end()
         self._log.ended(end, measure(self._robot))
@@ -189,10 +190,10 @@ class Coordinator:
 
     def _take(self, outcome: Success | Fail | NotStarted) -> None:
         """Count the outcome of an action, and note the situation that it leads to."""
-        if isinstance(outcome, Fail):
-            self._cause = outcome.cause.name
         if not isinstance(outcome, Success):
-            self._log.fails += 1
+            cause = outcome.cause if isinstance(outcome, NotStarted) else outcome.cause.name
+            if cause != causes.PREEMPTED.name:
+                self._cause, self._log.fails = cause, self._log.fails + 1
         self._route.took(outcome)
         self._watch.arrived(self.situation)
 
@@ -271,11 +272,11 @@ class Coordinator:
         if permitted is None:
             return None
         if not permitted:
-            return self._log.not_started(action, "permission was refused")
+            return self._log.not_started(action, "permission was refused", causes.REFUSED.name)
         try:
             primitive = action.binding.make(self._model)
         except NotBound as unknown:
-            return self._log.not_started(action, str(unknown), causes.NOT_KNOWN)
+            return self._log.not_started(action, str(unknown), causes.NOT_KNOWN.name)
         return (yield from self._act(action, primitive))
 
     def _permitted(self, action: Action, permission: Permission) -> Generator[None, None, bool | None]:
@@ -301,7 +302,7 @@ class Coordinator:
         if at is not None and self._robot.localization.lifted is not None and primitive.needs_pose:
             return self._lifted(action, at)
         if unmet := self._unmet_precondition(primitive):
-            return log.not_started(action, unmet, causes.PRECONDITION)
+            return log.not_started(action, unmet, causes.PRECONDITION.name)
         self._watch.begins(self.situation, at)
         self.life.act()
         self._supervision.between_actions()  # a request since the last check: then the action does not start
@@ -319,7 +320,7 @@ class Coordinator:
         limit, words = self._limit(action)
         outcome = yield from self._supervision.to_its_end(periods, limit, words)
         if isinstance(outcome, NotStarted):
-            return log.not_started(action, outcome.reason)
+            return log.not_started(action, outcome.reason, outcome.cause)
         if moves:
             at = measure(self._robot)
             self._watch.stands(at)

@@ -20,8 +20,8 @@ class NetworkBehaviour(Behaviour):
     The tree's owner steps the robot after each tick. The status is SUCCESS when the goal is reached, and
     FAILURE when no route is left (the robot then is restored). If the tree interrupts the behaviour, the
     robot only stops. If an action was running, the next tick first restores what that action changed; then
-    the run continues. A GiveUp is FAILURE too, and every later tick returns FAILURE until `acknowledge` is
-    called; `end` distinguishes it from a missing route.
+    the run continues, and none of the action's attempts is used up. A GiveUp is FAILURE too, and every later
+    tick returns FAILURE until `acknowledge` is called; `end` distinguishes it from a missing route.
     """
 
     def __init__(self, name: str, robot: Robot, make: Callable[[], Coordinator]) -> None:
@@ -57,7 +57,7 @@ class NetworkBehaviour(Behaviour):
             return
         if self._coordinator is not None:  # interrupted before
             if (number := self._coordinator.acting) is not None:
-                self._coordinator.request(Request.RESTORE, number)
+                self._coordinator.request(Request.PREEMPT, number)
             return
         self._coordinator = self._make()
         self._run = self._coordinator.run()

@@ -39,6 +39,8 @@ class Request(Enum):
     """Restore what the running action changed, then end."""
     RESTORE = "restore"
     """Restore what the running action changed, count that as its Fail, and continue."""
+    PREEMPT = "preempt"
+    """Restore what the running action changed, without counting a Fail, and continue."""
 
 
 INTERRUPTED_REASON = "interrupted"
@@ -229,6 +231,9 @@ class Supervision:
             raise Interrupted(_ENDING[request])
         if request is Request.PAUSE:
             return (yield from self._pause(attempt))
+        if request is Request.PREEMPT and self._life.state is RunState.ACTING:
+            urgent = Discrepancy("something more urgent came first", cause=causes.PREEMPTED)
+            return (yield from _call_back(attempt, urgent))
         if request is Request.CANCEL:
             self._after_restoring = request
         if request in (Request.CANCEL, Request.RESTORE) and self._life.state is RunState.ACTING:
@@ -289,6 +294,6 @@ def _call_back(attempt: Attempt, discrepancy: Discrepancy) -> Periods:
         ended: Outcome = end.value
         return ended
     except Discrepancy:  # it was still waiting for rest before its start
-        return NotStarted(discrepancy.reason)
+        return NotStarted(discrepancy.reason, cause=discrepancy.cause.name)
     yield
     return None

@@ -96,6 +96,10 @@ class Planner:
         times, _ = self._reasons.get(action.index, (0, ""))
         self._reasons[action.index] = times + 1, reason
 
+    def refused(self, action: Action, reason: str) -> None:
+        """Count a start that the operator refused as a Fail that shows nothing about the probabilities."""
+        Planner.failed(self, action, reason)
+
     def hoped(self, action: Action) -> None:
         """Count a Success as one more Fail of the action, so that attempts run out.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.outcome import Fail, Outcome, Success
 
 from .network import Action, ActionNetwork
@@ -195,8 +196,9 @@ class RunDecisions:
         """Move to the situation that an outcome of the executed action leads to; count the outcome if it is a
         Fail.
 
-        A GiveUp changes nothing. `NotStarted` counts as a Fail. `Elsewhere`, the result after somebody has
-        changed the world, counts as a Fail too, and the run moves to the situation that it names.
+        A GiveUp changes nothing. `NotStarted` counts as `failed` describes. `Elsewhere`, the result after
+        somebody has changed the world, counts as a Fail too, and the run moves to the situation that it
+        names.
 
         Args:
             outcome: outcome of the action that the property `next` named.
@@ -228,13 +230,20 @@ class RunDecisions:
         """Count a Fail of the executed action, drop the plan, and move to the situation that the Fail leads
         to.
 
+        A start that the operator refused shows nothing about the world: it counts, and the situation stays
+        as it is. An action that was preempted may be tried as often as before: nothing counts.
+
         Args:
             reason: reason in words.
             permanent: True if the Fail uses up all attempts of the action.
             cause: name of the Fail's `CauseKind`, which may decide the situation.
         """
-        action = self.next
+        action, self._ahead = self.next, []
+        if cause == causes.PREEMPTED.name:
+            return
         self.taken += 1
+        if cause == causes.REFUSED.name:
+            self.planner.refused(action, reason)
+            return
         self.planner.failed(action, reason, permanent=permanent)
-        self._ahead = []
         self._moved(action.after_fail(cause))

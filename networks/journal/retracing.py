@@ -11,6 +11,7 @@ from handcart.files.printable import printable
 from handcart.networks.deciding.planners import planner_of
 from handcart.networks.graph.network import ActionNetwork
 from handcart.networks.graph.route import Elsewhere, RunDecisions
+from handcart.primitives.outcomes.causes import PREEMPTED
 from handcart.primitives.outcomes.outcome import Success
 from handcart.primitives.restoring.snapshot import Snapshot
 
@@ -42,6 +43,8 @@ class RunPosition:
     route: RunDecisions
     started: int = 0
     fails: int = 0
+    cause: str = ""
+    """Kind of cause of the last action that did not succeed; empty if unknown, or without one."""
     plans: int = 0
     skipped: list[str] = field(default_factory=list)
     in_doubt: Record | None = None
@@ -132,8 +135,8 @@ def _follow(found: RunPosition, record: Record) -> None:
         found.in_doubt, found.done, found.left = None, record["n"], route.situation
         _take(found, record)
     elif kind == "NOT_STARTED":
-        found.fails, found.in_doubt = found.fails + 1, None
-        route.failed(record["reason"], cause=record.get("cause", ""))
+        found.in_doubt = None
+        _fail(found, record, record.get("cause", ""))
     elif kind == "RECON":
         _look(found, record)
     elif kind == "AIM":
@@ -178,16 +181,22 @@ def _round_begins(found: RunPosition, now: float) -> None:
 
 
 def _take(found: RunPosition, record: Record) -> None:
+    cause = str((record.get("cause") or [{}])[0].get("kind", ""))
     if record["outcome"] == "GiveUp":
-        found.gave_up = record
+        found.gave_up, found.cause = record, cause
         return
     _stands(found, record)
     if record["outcome"] == "Success":
         found.route.took(Success({}, record.get("result", "")))
     else:
-        found.fails += 1
-        causes = record.get("cause") or [{}]
-        found.route.failed(record["reason"], record["permanent"], str(causes[0].get("kind", "")))
+        _fail(found, record, cause)
+
+
+def _fail(found: RunPosition, record: Record, cause: str) -> None:
+    """Follow an action that failed or was not started; one that was preempted does not count."""
+    if cause != PREEMPTED.name:
+        found.fails, found.cause = found.fails + 1, cause
+    found.route.failed(record["reason"], record.get("permanent", False), cause)
 
 
 def _aim(found: RunPosition, record: Record) -> None:
@@ -213,7 +222,7 @@ def _aim(found: RunPosition, record: Record) -> None:
 
 def _look(found: RunPosition, record: Record) -> None:
     if record["situation"] is not None:
-        found.fails += 1
+        found.fails, found.cause = found.fails + 1, ""
         found.route.took(Elsewhere(record["reason"], record["situation"]))
         _stands(found, record)
 

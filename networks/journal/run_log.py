@@ -25,7 +25,6 @@ from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.contract.intents import Intents
 from handcart.primitives.knowledge.world_model import WorldModel
 from handcart.primitives.outcomes.cause import Cause
-from handcart.primitives.outcomes.cause_kind import CauseKind
 from handcart.primitives.outcomes.evidence import Evidence
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Outcome, Success
 from handcart.primitives.restoring.snapshot import Snapshot
@@ -199,17 +198,15 @@ class RunLog(Intents):
         self._write("RECON", record)
         self._tell(lambda: LeftOut(self._robot.time, action, reason))
 
-    def not_started(self, action: Action, reason: str, cause: CauseKind | None = None) -> NotStarted:
+    def not_started(self, action: Action, reason: str, cause: str) -> NotStarted:
         """Log that an action could not be started, and return a `NotStarted` with the reason as the action's
-        result.
+        result. `cause` is the name of the cause's kind.
         """
         self.open = False
-        record = records.NotStartedRecord(action=action.index, reason=reason)
-        if cause is not None:
-            record["cause"] = cause.name
+        record = records.NotStartedRecord(action=action.index, reason=reason, cause=cause)
         self._write("NOT_STARTED", record)
         self._tell(lambda: LeftOut(self._robot.time, action, reason))
-        return NotStarted(reason, cause="" if cause is None else cause.name)
+        return NotStarted(reason, cause=cause)
 
     def skip(self, action: Action, element: str) -> None:
         """Log that one element of a `repeat` is skipped: no further actions are done for it."""

@@ -12,6 +12,7 @@ from handcart.networks.graph.belief_prior import Judged
 from handcart.networks.graph.network import Action, ActionNetwork
 from handcart.networks.graph.plan_search import PlanSearch
 from handcart.networks.graph.planner import NoWay, Plan, Planner
+from handcart.primitives.outcomes.causes import PREEMPTED, REFUSED
 
 from .past_run import PastAction, PastRun, Record
 
@@ -208,6 +209,8 @@ def _count(planner: Planner, events: Iterable[tuple[int, str]]) -> None:
             planner.succeeded(planner.network.actions[index])
         elif word == HOPED:
             planner.hoped(planner.network.actions[index])
+        elif word == REFUSED.name:
+            planner.refused(planner.network.actions[index], "")
         else:
             planner.failed(planner.network.actions[index], "", permanent=word == FOR_GOOD)
 
@@ -228,14 +231,26 @@ def _counted(run: PastRun, records: Iterable[Record]) -> Iterator[tuple[int, str
             yield indices[record["n"]], SUCCEEDED
             if hoped:
                 yield indices[record["n"]], HOPED
+        elif _is_preempted(record):
+            continue
         elif kind == "RESULT" and record["outcome"] == "Fail":
             yield indices[record["n"]], FOR_GOOD if record["permanent"] else FAILED
         elif kind in ("START", "RESULT"):
             started[record["q"]] = indices[record["n"]]
+        elif kind == "NOT_STARTED" and record.get("cause") == REFUSED.name:
+            yield int(record["action"]), REFUSED.name
         elif kind == "NOT_STARTED" or (kind == "RECON" and record["situation"]):
             yield int(record["action"]), FAILED
         elif kind == "ACK" and record["record"] in started:  # from there on it counts as a Fail
             yield started[record["record"]], FAILED
+
+
+def _is_preempted(record: Record) -> bool:
+    """Return whether a record ends an action that was preempted, so that its attempt does not count."""
+    if record["kind"] == "NOT_STARTED":
+        return bool(record.get("cause") == PREEMPTED.name)
+    causes = record.get("cause") if record["kind"] == "RESULT" else None
+    return bool(causes and causes[0].get("kind") == PREEMPTED.name)
 
 
 def _pursued(run: PastRun, action: PastAction) -> str:

@@ -35,6 +35,7 @@ SLIPPED: Final = CauseKind("slipped", "A thing slipped out of the hand.")
 NOT_KNOWN: Final = CauseKind("not_known", "Knowledge is missing that a file or an earlier action gives.")
 UNSUITABLE: Final = CauseKind("unsuitable", "The robot has not the parts that are needed.")
 PRECONDITION: Final = CauseKind("precondition", "A condition of the start is not met.")
+REFUSED: Final = CauseKind("refused", "The operator did not permit the start.")
 
 # Found by the framework
 NO_REST: Final = CauseKind("no_rest", "The robot does not come to rest.")
@@ -42,6 +43,7 @@ NO_EFFECT: Final = CauseKind("no_effect", "The effect is not seen after the moti
 NOT_FOLLOWING: Final = CauseKind("not_following", "A joint does not follow its commands.")
 TIME_OUT: Final = CauseKind("time_out", "It takes too long.")
 CANCELLED: Final = CauseKind("cancelled", "A person cancelled it.")
+PREEMPTED: Final = CauseKind("preempted", "The tree around the network had something more urgent to do.")
 NOT_ALONE: Final = CauseKind("not_alone", "Another primitive moves the robot at the same time.")
 
 # Faults of machines and code
@@ -51,7 +53,7 @@ CODE_ERROR: Final = CauseKind("code_error", "An exception that is not an outcome
 TREE_FAILED: Final = CauseKind("tree_failed", "A leaf of the primitive's behaviour tree fails.")
 UNNAMED: Final = CauseKind("unnamed", "The primitive names no cause.")
 
-OUTSIDE_CAUSES: Final = (CANCELLED, TIME_OUT, DISPLACED, ROBOT_FAULT, SENSOR_FAULT, CODE_ERROR)
+OUTSIDE_CAUSES: Final = (CANCELLED, PREEMPTED, TIME_OUT, DISPLACED, ROBOT_FAULT, SENSOR_FAULT, CODE_ERROR)
 """Causes that an attempt may have whatever its primitive does: people, time limits, exceptions."""
 FAULT_CAUSES: Final = (ROBOT_FAULT, SENSOR_FAULT, CODE_ERROR)
 """Faults of machines and code; they do not show that the motion itself was wrong, so it may be completed."""

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from handcart.backends.robot.robot import Robot
 from handcart.networks.analysis.worst_cases import worst_cases
 from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.supervision import Request
 from handcart.networks.events.events import Ended, Event, LeftOut, Planned, Started
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, NetworkError, Situation
 from handcart.networks.journal.journal import Journal
@@ -208,6 +209,12 @@ def test_without_anybody_to_ask_what_needs_a_permit_does_not_start(stand: Stand)
     assert names(events) == ["two"]
     assert (end.outcome, end.fails) == ("Success", 1)
     assert [event.reason for event in events if isinstance(event, LeftOut)] == ["permission was refused"]
+
+
+def test_nothing_waits_for_permission_after_a_stop(stand: Stand) -> None:
+    run = coordinator(stand, stand.network("a z one 1"), permission=lambda action: None)
+    end = stand.finish(run, {3: lambda: run.request(Request.STOP)})
+    assert (end.outcome, run.asks) == ("Cancelled", None)
 
 
 def test_what_waits_for_permission_is_told_only_while_it_waits(stand: Stand) -> None:

@@ -9,7 +9,7 @@ from py_trees.common import Status
 
 from handcart.networks.coordination.coordinator import Coordinator
 from handcart.networks.coordination.network_behaviour import NetworkBehaviour
-from handcart.networks.events.events import Event
+from handcart.networks.events.events import Ended, Event, Started
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from tests.networks.conftest import Stand
 
@@ -83,8 +83,26 @@ def test_interrupted_it_stops_and_then_restores_first(stand: Stand) -> None:
     assert min(nearest) < 0.02
     assert tree.root.status is Status.SUCCESS
     assert behaviour.end is not None
-    assert behaviour.end.fails == 1
+    assert behaviour.end.fails == 0
     assert [type(event).__name__ for event in events][:4] == ["Planned", "Started", "Restoring", "Ended"]
+
+
+def test_interruptions_do_not_use_up_the_attempts_of_an_action(stand: Stand) -> None:
+    tree, behaviour, alarm, events = tree_of(stand, drive(stand, attempts=1))
+    for number in range(1, 4):
+        for _ in range(200):
+            if any(isinstance(event, Started) and event.number == number for event in events):
+                break
+            tick(tree, stand, 1)
+        tick(tree, stand, 20)
+        alarm.rings = True
+        tick(tree, stand, 1)
+        alarm.rings = False
+    tick(tree, stand, 400)
+    assert tree.root.status is Status.SUCCESS
+    assert behaviour.end is not None
+    assert (behaviour.end.outcome, behaviour.end.fails, behaviour.end.cause) == ("Success", 0, "")
+    assert [event.number for event in events if isinstance(event, Ended)] == [1, 2, 3, 4]
 
 
 def test_no_way_left_is_failure(stand: Stand) -> None:

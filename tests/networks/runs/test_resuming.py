@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -17,6 +18,8 @@ import pytest
 from handcart.backends.capabilities.base import WheelTravel
 from handcart.backends.description.joint_units import JointUnits
 from handcart.backends.saved_state import NotAState, pack
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.supervision import Request
 from handcart.networks.graph.planner import Plan
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal
@@ -398,3 +401,25 @@ def test_a_checkpoint_of_another_version_is_refused_in_words(tmp_path: Path) -> 
     (tmp_path / "checkpoint").write_bytes(pack({"format": "handcart-checkpoint/2", **kept}))
     with pytest.raises(NotAState, match=r"'handcart-checkpoint/2', which another version .* begin a new run"):
         load_checkpoint(tmp_path)
+
+
+@pytest.mark.parametrize(("word", "cause"), [("F", "unnamed"), ("G", "unnamed"), ("S", "")])
+def test_a_resumed_run_ends_with_the_cause_of_its_last_fail(
+    new_stand: Callable[[], Stand], tmp_path: Path, word: str, cause: str
+) -> None:
+    """It is stopped after a Fail or GiveUp, and stopped again before its next action."""
+    stand = new_stand()
+    network = stand.network("a b x 1", "b z y 1")
+    stand.script["x"] = deque([word])
+    path = tmp_path / "j"
+    with Journal(path) as journal:
+        journal.append("RUN", 0.0, {"schema": "x", "network": network.fingerprint()})
+        stand.finish(Coordinator(network, stand.robot, stand.model, journal))
+    records = list(read_journal(path).records)
+    kept = records[: [record["kind"] for record in records].index("RESULT") + 1]
+    if word == "G":
+        kept.append({"kind": "ACK", "q": len(kept), "t": 0.0, "record": 3, "of": "RESULT", "reason": "it"})
+    run = Coordinator(network, stand.robot, stand.model, standing=standing(network, kept))
+    run.request(Request.STOP)
+    end = stand.finish(run)
+    assert (end.outcome, end.cause, end.fails) == ("Cancelled", cause, int(word != "S"))
