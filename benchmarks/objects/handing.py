@@ -40,9 +40,10 @@ def rig_holding(
     backend: str = "kinematic",
     places: Path = TASK_FOLDER / "places.yaml",
     objects: Path = TASK_FOLDER / "objects.yaml",
+    known_map: Path = TASK_FOLDER / "map.yaml",
 ) -> Rig:
     """Return a rig with the robot at home, whose fingers have closed on the object from above."""
-    files = RigFiles(world, TASK_FOLDER / "map.yaml", places, {"objects": objects}, "home")
+    files = RigFiles(world, known_map, places, {"objects": objects}, "home")
     rig = build_rig(files, robot=robot, seed=seed, backend=backend)
     hand_T_object = _from_above(rig)
     rig.robot.gripper.move(0.0)

@@ -80,7 +80,11 @@ def move_to_pose(
 
 
 def move_to_joints(
-    robot: Robot, joints: FloatArray, held: Shape | None = None, around: Sequence[Shape] = ()
+    robot: Robot,
+    joints: FloatArray,
+    held: Shape | None = None,
+    around: Sequence[Shape] = (),
+    eased: bool = False,
 ) -> Periods:
     """Move the arm to joint positions, without collisions with the robot and obstacles.
 
@@ -91,6 +95,8 @@ def move_to_joints(
         joints: (n,) goal, in [rad] or [m].
         held: held object, posed in the hand frame.
         around: bodies to keep clear of, posed in the base frame.
+        eased: True if bodies that the arm is closer to than the margin may stay as close, but not come
+            closer; False if there is no path then.
 
     Raises:
         Discrepancy: no free path was found.
@@ -100,6 +106,8 @@ def move_to_joints(
     if np.allclose(here, joints, atol=GOAL_TOLERANCE_RAD):
         return
     collision = collision_model(robot, held, around)
+    if eased:
+        collision = collision.eased_at(here)
     path = yield from robot.compute(plan_motion, collision.arm, collision, here, joints)
     if path is None:
         raise _no_way(robot, collision, here, joints)
@@ -107,7 +115,11 @@ def move_to_joints(
 
 
 def move_straight(
-    robot: Robot, base_T_hand: Transform, held: Shape | None = None, around: Sequence[Shape] = ()
+    robot: Robot,
+    base_T_hand: Transform,
+    held: Shape | None = None,
+    around: Sequence[Shape] = (),
+    eased: bool = False,
 ) -> Periods:
     """Move the hand to a pose in a straight line.
 
@@ -116,12 +128,15 @@ def move_straight(
         base_T_hand: (4, 4) final pose of the hand.
         held: held object, posed in the hand frame.
         around: bodies to keep clear of, posed in the base frame.
+        eased: as for `move_to_joints`.
 
     Raises:
         Discrepancy: the arm cannot move the hand along the line, or an obstacle is on it.
     """
     collision = collision_model(robot, held, around)
     here = robot.arm.command()
+    if eased:
+        collision = collision.eased_at(here)
     path = yield from robot.compute(plan_straight, collision.arm, here, base_T_hand, 0.005, collision)
     if path is None:
         x, y, z = base_T_hand[:3, 3]

@@ -19,6 +19,7 @@ from handcart.files.suggest import suggest
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.meant_contact import MeantContact
 from handcart.primitives.knowledge.world_model import ModelView, WorldModel
+from handcart.primitives.motions.arm_motion import collision_model
 from handcart.primitives.motions.grip import close, open_to
 from handcart.primitives.motions.pushing import relax
 from handcart.primitives.objects.holding.carrying import stow
@@ -33,7 +34,7 @@ from handcart.primitives.objects.site.object_site import held_box, kind_of
 from handcart.primitives.objects.site.roomy_motion import (
     move_straight_with_room,
     move_with_room,
-    surroundings_to_try,
+    walled_surroundings_to_try,
 )
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
@@ -178,7 +179,7 @@ class HandOver(ActionPrimitive):
         kind, grip = kind_of(model, held.object), held.hand_T_object
         if self.posture is None:
             height = 1e-3 * self.height_mm
-            for around in surroundings_to_try(robot, model):
+            for around in walled_surroundings_to_try(robot, model):
                 found = yield from robot.compute(offering_joints, robot, kind, grip, height, around)
                 if found is not None:
                     return found
@@ -197,6 +198,15 @@ class HandOver(ActionPrimitive):
                 f"the posture {self.posture!r} holds nothing out of the robot's outline",
                 cause=causes.UNSUITABLE,
             )
+        tried = (
+            collision_model(robot, held_box(kind, grip), around)
+            for around in walled_surroundings_to_try(robot, model)
+        )
+        hits = [collision.contacts(joints) for collision in tried]
+        if all(hits):
+            (one, other), *_ = hits[-1]
+            words = f"in the posture {self.posture!r} {one} would touch {other}"
+            raise Discrepancy(words, cause=causes.OUT_OF_REACH)
         return joints
 
     def _bring(self, robot: Robot, model: ModelView, joints: FloatArray, watch: PullWatch) -> Periods:

@@ -17,6 +17,7 @@ from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Box, Solid
+from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .object_site import base_T_map, surroundings
@@ -91,6 +92,14 @@ def surroundings_to_try(
     return [*[(*bodies, *around) for around in walls for bodies in known], *known]
 
 
+def walled_surroundings_to_try(robot: Robot, model: ModelView) -> list[tuple[Solid, ...]]:
+    """Return those sets of `surroundings_to_try` that contain the map's obstacles, for choosing a posture
+    that must be clear of them; all sets if the map shows no obstacle near the robot.
+    """
+    tried = surroundings_to_try(robot, model)
+    return tried[: -len(rooms(robot, model))] if walls_to_try(robot, model) else tried
+
+
 def move_with_room(
     robot: Robot,
     model: ModelView,
@@ -115,15 +124,16 @@ def move_with_room(
     Raises:
         Discrepancy: no free path was found, not even without the additional distance.
     """
-    here = robot.arm.command()
     *roomy, last = surroundings_to_try(robot, model, without, open_areas)
-    for bodies in roomy:
+    walled = len(roomy) + 1 - len(rooms(robot, model))
+    tried = [(bodies, False) for bodies in roomy]
+    tried[walled:walled] = [(bodies, True) for bodies in roomy[:walled]]
+    for bodies, eased in tried:
         around = (*bodies, *also_around)
-        collision = collision_model(robot, held, around)
-        if collision.in_collision(here) or collision.in_collision(joints):
+        if not _is_worth_planning(robot, collision_model(robot, held, around), joints, eased):
             continue
         try:
-            yield from move_to_joints(robot, joints, held, around)
+            yield from move_to_joints(robot, joints, held, around, eased)
             return
         except Discrepancy as no_way:
             if no_way.cause is not causes.NO_ARM_PATH:
@@ -131,11 +141,30 @@ def move_with_room(
     yield from move_to_joints(robot, joints, held, (*last, *also_around))
 
 
-def move_straight_with_room(robot: Robot, model: ModelView, base_T_hand: Transform) -> Periods:
-    """Move the empty hand in a straight line, clear of surfaces, objects and those walls that the arm is
-    clear of now.
+def _is_worth_planning(robot: Robot, collision: CollisionModel, joints: FloatArray, eased: bool) -> bool:
+    """Return whether neither the arm's posture nor its goal (n,) collides.
 
-    Walls that the arm is too close to already are left out, as the map may show low obstacles there.
+    Args:
+        robot: robot with an arm.
+        collision: arm among its surroundings.
+        joints: (n,) the goal, in [rad] or [m].
+        eased: True for an arm that is too close to something, as far as it does not touch it.
+    """
+    here = robot.arm.command()
+    if not eased:
+        return not (collision.in_collision(here) or collision.in_collision(joints))
+    if not collision.in_collision(here):
+        return False  # it was tried
+    collision = collision.eased_at(here)
+    return not (collision.in_collision(here) or collision.in_collision(joints))
+
+
+def move_straight_with_room(robot: Robot, model: ModelView, base_T_hand: Transform) -> Periods:
+    """Move the empty hand in a straight line, clear of surfaces, objects and those walls that the arm does
+    not touch now.
+
+    Walls that the arm touches already are left out, as the map may show low obstacles there. It comes no
+    closer to others than it is.
 
     Args:
         robot: robot whose arm is at its last command.
@@ -147,6 +176,6 @@ def move_straight_with_room(robot: Robot, model: ModelView, base_T_hand: Transfo
     """
     here, known = robot.arm.command(), surroundings(robot, model)
     for walls in (*walls_to_try(robot, model), ()):
-        if not collision_model(robot, None, (*known, *walls)).in_collision(here):
+        if not collision_model(robot, None, (*known, *walls)).eased_at(here).in_collision(here):
             break
-    yield from move_straight(robot, base_T_hand, around=(*known, *walls))
+    yield from move_straight(robot, base_T_hand, around=(*known, *walls), eased=True)

@@ -17,6 +17,7 @@ from handcart.robotics.kinematics.shapes import Shape
 from handcart.robotics.numerics.arrays import FloatArray
 
 HELD_NAME = "held"
+_EASED_M = 1e-5  # within which a posture is as close as another one
 _TOUCH = 1e-6  # coal calls overlapping bodies free at margin 0: its GJK stops at a distance of 1e-10 [m]
 
 
@@ -52,6 +53,7 @@ class CollisionModel:
     ) -> None:
         self.arm = arm
         self.margin = margin
+        self._around, self._also_allowed = tuple(obstacles), tuple(allowed)
         self._allowed = {frozenset(pair) for pair in (*arm.allowed, *allowed)}
         self._model, self._bodies, root_T_base = arm.for_collision()
         self._names = [self._model.frames[body.parentFrame].name for body in self._bodies.geometryObjects]
@@ -109,6 +111,24 @@ class CollisionModel:
         hits = zip(self._bodies.collisionPairs, self._data.collisionResults, strict=True)
         pairs = [(self._names[p.first], self._names[p.second]) for p, hit in hits if hit.isCollision()]
         return list(dict.fromkeys(pairs))
+
+    def eased_at(self, q: FloatArray) -> CollisionModel:
+        """Return a model like this one in which bodies that are closer than the margin at a posture may stay
+        as close, but not come closer. Bodies that touch there still collide.
+
+        Args:
+            q: (n,) joint angles of the posture, in [rad] or [m].
+        """
+        eased = CollisionModel(
+            self.arm, self._around, self._held_body, self._world_T_base, self.margin, self._also_allowed
+        )
+        arguments = (eased._model, eased._model_data, eased._bodies, eased._data, self.arm.ordered(q))
+        pin.computeDistances(*arguments)
+        requests = zip(eased._data.collisionRequests, eased._data.distanceResults, strict=True)
+        for request, result in requests:
+            if result.min_distance <= request.security_margin:
+                request.security_margin = max(_TOUCH, result.min_distance - _EASED_M)
+        return eased
 
     @property
     def holds(self) -> bool:

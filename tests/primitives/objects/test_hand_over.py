@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 import yaml
@@ -14,11 +16,12 @@ from benchmarks.objects.handing import rig_holding, scene_of, world_with
 from handcart.backends.simulation.world.thing import Rest
 from handcart.evaluation.trials.rig import Rig
 from handcart.primitives.objects.hand_over import HandOver
+from handcart.primitives.objects.holding.offering import offering_joints
 from handcart.primitives.objects.knowledge.objects import Objects
 from handcart.primitives.objects.stow import Stow
 from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
 
-from .fetching import changed
+from .fetching import TASK, changed
 
 PULL = {"waits_s": 1.0, "force_n": 15.0, "sigma_n": 3.0, "sigma_deg": 15.0, "tremor_n": 1.0}
 
@@ -39,6 +42,29 @@ def standing_at(folder: Path, pose: str, *pulls: Mapping[str, Any]) -> Rig:
     data = yaml.safe_load(world.read_text(encoding="utf-8"))
     world.write_text(yaml.safe_dump({**data, "pulls": [dict(pull) for pull in pulls]}), encoding="utf-8")
     return rig_holding(world, seed=3, places=places)
+
+
+def in_a_closet(folder: Path) -> Rig:
+    """Return a robot between four mapped walls, 0.38 m from its middle, 40 mm from its outline."""
+    inner, outer = 0.38, 0.44
+    picture = cv2.imread(str(TASK / "map.png"), cv2.IMREAD_GRAYSCALE)
+    assert picture is not None
+    y, x = np.indices(picture.shape)
+    off = np.maximum(abs(0.02 * x - 0.26 - 1.0), abs(0.02 * (len(picture) - 1 - y) - 0.26 - 1.0))
+    picture[(off > inner) & (off < outer)] = 0
+    cv2.imwrite(str(folder / "map.png"), picture)
+    known_map, world = changed(folder, "map.yaml"), changed(folder, "world.yaml")
+    places = changed(folder, "places.yaml")
+    places.write_text(
+        places.read_text(encoding="utf-8") + "  hall: {x_m: 3.0, y_m: 2.0, heading_deg: 0.0}\n",
+        encoding="utf-8",
+    )
+    data = yaml.safe_load(world.read_text(encoding="utf-8"))
+    away, corners = (inner + outer) / 2, [(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]
+    ends = [[1.0 + away * u, 1.0 + away * v] for u, v in corners]
+    data["walls"] += [{"from_m": list(a), "to_m": list(b), "thickness_m": 0.06} for a, b in pairwise(ends)]
+    world.write_text(yaml.safe_dump(data), encoding="utf-8")
+    return rig_holding(world, seed=3, places=places, known_map=known_map)
 
 
 def rest_of(rig: Rig) -> Rest:
@@ -80,6 +106,23 @@ def test_object_is_not_held_out_into_a_mapped_wall(tmp_path: Path) -> None:
         outcome = rig.do(HandOver(wait_s=1.0))
         assert isinstance(outcome, Fail) and outcome.cause.name == "not_taken", outcome
         assert rest_of(rig) is Rest.HAND
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("posture", [None, "out"])
+def test_object_that_walls_leave_no_room_for_stays_in_the_hand(tmp_path: Path, posture: str | None) -> None:
+    with in_a_closet(tmp_path) as rig:
+        objects, arm = rig.model.of(Objects), rig.robot.spec.arm
+        assert objects.held_object is not None and arm is not None
+        kind, grip = objects.objects.kind_of("parcel_1"), objects.held_object.hand_T_object
+        out = offering_joints(rig.robot, kind, grip, 1.0)
+        assert out is not None
+        arm.postures["out"] = tuple(np.degrees(out).tolist())
+        outcome = rig.do(HandOver(posture=posture))
+        assert isinstance(outcome, Fail), outcome
+        assert outcome.cause.name == "out_of_reach", outcome
+        assert rest_of(rig) is Rest.HAND
+        assert not scene_of(rig).contacts
 
 
 @pytest.mark.slow

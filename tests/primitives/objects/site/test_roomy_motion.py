@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from handcart.evaluation.trials.rig import Rig
+from handcart.primitives.motions.arm_motion import collision_model
 from handcart.primitives.objects.files.objects_file import ObjectsFile
 from handcart.primitives.objects.knowledge.objects import WALL_NAME, Objects
 from handcart.primitives.objects.look_for import LookFor
@@ -98,7 +99,7 @@ def test_less_room_is_tried_where_no_path_has_it(
 ) -> None:
     thickest = []
 
-    def refused(robot: Any, joints: Any, held: Any, around: Any) -> Any:
+    def refused(robot: Any, joints: Any, held: Any, around: Any, *_: Any) -> Any:
         thickest.append(max(min(body.size) for body in around if body.name == "box"))
         raise Discrepancy("refused", cause=cause)
         yield
@@ -109,16 +110,16 @@ def test_less_room_is_tried_where_no_path_has_it(
     assert len(thickest) == tries
 
 
-@pytest.mark.parametrize(("is_close", "is_free"), [(False, False), (True, True)])
+@pytest.mark.parametrize(("gap", "is_free"), [(0.04, False), (0.003, False), (0.0, True)])
 def test_straight_motion_ends_before_walls_that_the_arm_is_clear_of(
-    rig: Rig, monkeypatch: pytest.MonkeyPatch, is_close: bool, is_free: bool
+    rig: Rig, monkeypatch: pytest.MonkeyPatch, gap: float, is_free: bool
 ) -> None:
     """A wall in which the arm is already is a low obstacle, or not where the map shows it."""
     base_T_hand = rig.robot.base_T("hand")
     goal = base_T_hand.copy()
     goal[0, 3] += 0.06
     tip = (base_T_hand @ [rig.robot.spec.finger_shape.tip, 0.0, 0.0, 1.0])[:3]
-    ahead = np.array([0.03 if is_close else 0.07, 0.0, 0.0])
+    ahead = np.array([0.03 + gap, 0.0, 0.0])
     wall = Box(transform(tip + ahead), (0.06, 0.4, 2.4), WALL_NAME)
     monkeypatch.setattr("handcart.primitives.objects.site.roomy_motion.walls_to_try", lambda *_: [(wall,)])
     moved = True
@@ -129,6 +130,30 @@ def test_straight_motion_ends_before_walls_that_the_arm_is_clear_of(
         assert no_way.cause is causes.NO_ARM_PATH
         moved = False
     assert moved is is_free
+
+
+@pytest.mark.slow
+def test_arm_within_its_margin_of_a_wall_goes_around_another_one(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here, gap = rig.robot.arm.command(), 0.003
+    base_T_hand = rig.robot.base_T("hand")
+    tip = (base_T_hand @ [rig.robot.spec.finger_shape.tip, 0.0, 0.0, 1.0])[:3]
+    ahead = Box(transform(tip + np.array([0.03 + gap, 0.0, 0.0])), (0.06, 0.4, 2.4), WALL_NAME)
+    beside = Box(transform(tip + np.array([-0.02, 0.16, 0.0])), (0.02, 0.02, 2.4), WALL_NAME)
+    walls = (ahead, beside)
+    monkeypatch.setattr("handcart.primitives.objects.site.roomy_motion.walls_to_try", lambda *_: [walls])
+    among = collision_model(rig.robot, None, walls)
+    base_T_hand[:2, 3] += (-0.01, 0.32)
+    goal = rig.robot.arm_model.inverse(base_T_hand, here)
+    assert goal is not None
+    clear = [among.distance(here)]
+    assert clear == pytest.approx([gap], abs=1e-4)
+    for _ in move_with_room(rig.robot, view_of(rig), goal):
+        rig.robot.step()
+        clear.append(among.distance(rig.robot.arm.command()))
+    assert min(clear) > gap - 2e-4
+    assert rig.robot.arm.command() == pytest.approx(goal, abs=1e-6)
 
 
 def test_object_touches_the_level_parts_that_its_foot_reaches() -> None:

@@ -102,3 +102,26 @@ def test_line_meets_what_stands_between(arm: ArmModel) -> None:
     assert not collision.in_collision(left) and not collision.in_collision(right)
     assert not collision.line_free(left, right)
     assert collision.path_free(np.array([left, left]))
+
+
+def test_eased_model_lets_no_close_body_come_closer(arm: ArmModel) -> None:
+    close = CollisionModel(arm, [_ahead_of_fingers(arm, 0.003)], margin=0.005)
+    assert close.in_collision(STRETCHED)
+    eased = close.eased_at(STRETCHED)
+    assert not eased.in_collision(STRETCHED)
+    down = STRETCHED + 0.02 * np.eye(6)[4]
+    up = STRETCHED - 0.02 * np.eye(6)[4]
+    assert [eased.in_collision(q) for q in (down, up)] == [close.distance(q) < 0.0029 for q in (down, up)]
+    touching = CollisionModel(arm, [_ahead_of_fingers(arm, -0.001)], margin=0.005)
+    assert touching.eased_at(STRETCHED).in_collision(STRETCHED)
+
+
+def test_eased_model_keeps_the_margin_to_others(arm: ArmModel) -> None:
+    aside = Box(arm.forward(STRETCHED) @ transform((0.1, 0.3, 0.0)), (0.1, 0.1, 0.1), "aside")
+    model = CollisionModel(arm, [_ahead_of_fingers(arm, 0.003), aside], margin=0.005)
+    turned = next(
+        q
+        for angle in np.arange(0.0, 1.0, 1e-3)
+        if 0.0 < CollisionModel(arm, [aside]).distance(q := STRETCHED + angle * np.eye(6)[0]) < 0.004
+    )
+    assert model.eased_at(STRETCHED).in_collision(turned)
