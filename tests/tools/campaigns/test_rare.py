@@ -81,7 +81,7 @@ def test_populations_whose_process_died_are_left_out_and_named(
         (("--rare", "Fail", "--generate", "library"), "--rare --generate; allowed: one of them"),
         (("--rare", "Fail", "--first", "-1"), "--rare --first -1; allowed: 0 and more"),
         (
-            ("--first", str(2**63 - 20)),
+            ("--first", str(2**63 - 19)),
             "the last trial's seed 9223372036854775808; allowed: -9223372036854775808",
         ),
         (
