@@ -18,6 +18,7 @@ Angle = Annotated[float, Field(ge=-360.0, le=360.0)]
 
 FULL_TURN = 360.0
 ROUNDING_DEG = 1e-6  # [deg]
+MASK_ROUNDING_DEG = 1e-3  # [deg] by which a beam may miss the end of its masked sector, as in float32
 
 
 class RangeSpec(MountedSensorSpec):
@@ -75,10 +76,12 @@ class RangeSpec(MountedSensorSpec):
 
     def masked(self, angles: FloatArray) -> BoolArray:
         """Return a mask (n,), True for beams whose angles (n,), in [rad], are in a sector that the robot's
-        file excludes (`masked_deg`).
+        file excludes (`masked_deg`), its ends included.
         """
         found = np.zeros(len(angles), np.bool_)
         degrees = np.degrees(angles)
         for start, end in self.masked_deg:
-            found |= np.mod(degrees - start, FULL_TURN) <= np.mod(end - start, FULL_TURN)
+            wide = FULL_TURN if end - start >= FULL_TURN else (end - start) % FULL_TURN
+            after = np.mod(degrees - start + MASK_ROUNDING_DEG, FULL_TURN)
+            found |= after <= wide + 2.0 * MASK_ROUNDING_DEG
         return found

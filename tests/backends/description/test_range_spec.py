@@ -39,6 +39,24 @@ def test_a_field_of_view_has_beams_at_both_ends(tmp_path: Path) -> None:
     assert list(spec.masked(degrees)) == [True, False, True, True, True, False, True]
 
 
+def test_masked_sector_holds_the_beams_at_its_ends(tmp_path: Path) -> None:
+    """Of 271 beams a degree apart, those at 30, 60 and 100 degrees were left out."""
+    keys = (
+        "reach_m: 8.0\n  start_deg: -135\n  end_deg: 135\n  masked_deg: [[30, 60], [100, 135], [-135, -90]]"
+    )
+    spec = load_robot(written(tmp_path, keys).replace("beams: 360", "beams: 271")).range_sensor
+    assert spec is not None
+    degrees = np.arange(-135.0, 136.0)
+    inside = ((degrees >= 30) & (degrees <= 60)) | (degrees >= 100) | (degrees <= -90)
+    for angles in (
+        np.linspace(np.radians(-135.0), np.radians(135.0), 271),
+        np.radians(degrees).astype(np.float32),
+    ):
+        np.testing.assert_array_equal(spec.masked(angles), inside)
+    full = spec.model_copy(update={"masked_deg": ((-180.0, 180.0),)})
+    assert full.masked(np.radians(degrees)).all()
+
+
 @pytest.mark.parametrize(
     ("keys", "words"),
     [
