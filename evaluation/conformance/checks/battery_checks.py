@@ -6,6 +6,7 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.battery import Battery
 from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import needed
+from handcart.evaluation.conformance.rig.periods import drivable
 
 from .check import Check, CheckResult
 
@@ -23,7 +24,7 @@ def battery(bench: KitBench, finding: CheckResult) -> None:
         backend, cell = rig.backend, needed(rig.backend, Battery)
         base, read = needed(backend, Base), list[float]()
         for _ in range(PERIOD_COUNT):
-            base.drive(DRIVE_SPEED_M_S, 0.0)
+            base.drive(*drivable(bench.spec(), DRIVE_SPEED_M_S, 0.0))
             backend.step()
             read.append(cell.charge_percent())
             finding.expect(cell.charge_percent() == read[-1], "a second reading in a period differs")

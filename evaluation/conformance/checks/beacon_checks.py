@@ -10,6 +10,7 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.beacons import Beacons
 from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import needed
+from handcart.evaluation.conformance.rig.periods import drivable
 from handcart.evaluation.conformance.rig.skipped import Skipped
 from handcart.evaluation.judging.survey import simulated_world
 
@@ -32,7 +33,7 @@ def beacons(bench: KitBench, finding: CheckResult) -> None:
         periods = math.ceil(READING_COUNT * spec.period_s / backend.period)
         for number in range(periods):
             if number < periods // 2:
-                base.drive(DRIVE_SPEED_M_S, 0.0)
+                base.drive(*drivable(bench.spec(), DRIVE_SPEED_M_S, 0.0))
             backend.step()
             heard = radio.ranges()
             if heard is not None:

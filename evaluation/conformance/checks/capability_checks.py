@@ -23,11 +23,13 @@ from handcart.evaluation.conformance.rig.periods import (
     all_readings,
     beside,
     changing_readings,
+    different_readings,
     drivable,
     drive,
     driven,
     move_joints,
     noisy_readings,
+    sideways_speed,
     steps,
 )
 from handcart.evaluation.conformance.rig.skipped import Skipped
@@ -133,7 +135,8 @@ def signs_of_sideways_motion(bench: KitBench, finding: CheckResult) -> None:
     if bench.spec().drive.kind != "holonomic":
         raise Skipped("the base cannot drive sideways")
     with bench.rig() as rig:
-        base, speed, seconds = needed(rig.backend, Base), 0.2, 20 * bench.spec().period_s
+        base, seconds = needed(rig.backend, Base), 20 * bench.spec().period_s
+        speed = sideways_speed(bench.spec(), 0.2)
         for sideways in (speed, -speed):
             before, stood = base.wheel_travel(), rig.backend.ground_truth()
             drive(rig.backend, 0.0, 0.0, 20, sideways)
@@ -156,7 +159,8 @@ def signs_of_the_scan(bench: KitBench, finding: CheckResult) -> None:
         sensor = needed(rig.backend, RangeSensor)
         steps(rig.backend, 1)
         before = Lidar(sensor, bench.spec()).scan()
-        left, right = driven(rig.backend, 0.0, 0.5, 20)
+        wanted, (_, turn_rate) = 0.5, drivable(bench.spec(), 0.0, 0.5)
+        left, right = driven(rig.backend, 0.0, turn_rate, round(20 * wanted / turn_rate))
         turn = (right - left) / bench.spec().drive.tread_m
         after = Lidar(sensor, bench.spec()).scan()
         seen = best_turn(before.ranges, after.ranges, before.angles)
@@ -237,9 +241,8 @@ def rates(bench: KitBench, finding: CheckResult) -> None:
         seen = all_readings(backend)
         again = all_readings(backend)
         finding.expect(set(seen) == set(again), "a reading comes and goes")
-        for name in seen:
-            same = np.array_equal(seen[name], again[name], equal_nan=True)
-            finding.expect(same, f"asked again, {name} is another")
+        for name in sorted(different_readings(seen, again)):
+            finding.expect(False, f"asked again, {name} is another")
         fresh = changing_readings(backend, 5)
         finding.measured.append(f"new within five periods at rest: {', '.join(sorted(fresh)) or 'nothing'}")
         without_noise = noisy_readings(backend) - fresh
@@ -251,10 +254,7 @@ def rates(bench: KitBench, finding: CheckResult) -> None:
         before = all_readings(backend)
         drive(backend, *drivable(bench.spec(), 0.1, 0.2), 20)
         after = all_readings(backend)
-        same_after = (
-            name for name in without_noise if np.array_equal(before[name], after[name], equal_nan=True)
-        )
-        stale = sorted(same_after)
+        stale = sorted(without_noise - different_readings(before, after))
         finding.expect(not stale, f"the same at rest and after the base drove: {stale}")
         finding.measured.append(f"without noise: {', '.join(sorted(without_noise))}")
 

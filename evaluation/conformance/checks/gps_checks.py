@@ -10,6 +10,7 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gps import Gps
 from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import needed
+from handcart.evaluation.conformance.rig.periods import drivable
 from handcart.evaluation.conformance.rig.skipped import Skipped
 from handcart.evaluation.judging.survey import simulated_world
 
@@ -33,7 +34,7 @@ def gps(bench: KitBench, finding: CheckResult) -> None:
         periods = math.ceil(FIX_COUNT * spec.period_s / backend.period)
         for number in range(periods):
             if number < periods // 2:
-                base.drive(DRIVE_SPEED_M_S, 0.0)
+                base.drive(*drivable(robot, DRIVE_SPEED_M_S, 0.0))
             backend.step()
             fix = receiver.fix()
             if fix is not None:

@@ -8,6 +8,7 @@ from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.positioning import PoseReading, Positioning
 from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import needed
+from handcart.evaluation.conformance.rig.periods import drivable
 from handcart.evaluation.conformance.rig.skipped import Skipped
 from handcart.evaluation.judging.survey import simulated_world
 
@@ -29,7 +30,7 @@ def positioning(bench: KitBench, finding: CheckResult) -> None:
         poses, taken = [scene.base], list[tuple[float, PoseReading]]()
         for number in range(1, DRIVE_PERIODS + 1):
             if number <= DRIVE_PERIODS // 2:
-                needed(backend, Base).drive(SPEED, TURN_RATE)
+                needed(backend, Base).drive(*drivable(bench.spec(), SPEED, TURN_RATE))
             backend.step()
             poses.append(scene.base)
             reading = system.reading()

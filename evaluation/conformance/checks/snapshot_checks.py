@@ -10,7 +10,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.parts import part_of
-from handcart.evaluation.conformance.rig.periods import beside, move_joints, steps
+from handcart.evaluation.conformance.rig.periods import beside, drivable, move_joints, steps
 from handcart.evaluation.conformance.rig.reach import Reach
 from handcart.evaluation.judging.true_changes import not_restored
 from handcart.evaluation.trials.rig import Rig
@@ -59,7 +59,7 @@ def covers(bench: KitBench, finding: CheckResult) -> None:
             finding.expect(ResidualKind.GRIPPER in _beyond(rig, start), "the fingers move unseen")
             gripper.move(before)
             steps(backend, REST_READINGS)
-        speed = 0.1
+        speed, _ = drivable(rig.robot.spec, 0.1, 0.0)
         drive_seen(rig, speed, 2e-3 * tolerance.base_mm / speed)
         finding.expect(ResidualKind.BASE_POSITION in _beyond(rig, start), "the base moves unseen")
 
@@ -84,7 +84,7 @@ def tolerances(bench: KitBench, finding: CheckResult) -> None:
     The difference is taken as 3 sigma of the readings.
     """
     with bench.rig() as rig:
-        drive_seen(rig, 0.1, 0.5)
+        drive_seen(rig, drivable(rig.robot.spec, 0.1, 0.0)[0], 0.5)
         first = take_snapshot(rig.robot, {})
         readings: list[list[Residual]] = []
         for _ in range(REST_READINGS):

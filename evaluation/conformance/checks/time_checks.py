@@ -7,8 +7,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from unittest import mock
 
-import numpy as np
-
 from handcart.backends.backend import Backend
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
@@ -20,6 +18,7 @@ from handcart.evaluation.conformance.rig.periods import (
     all_readings,
     beside,
     changing_readings,
+    different_readings,
     drivable,
     steps,
 )
@@ -37,7 +36,7 @@ def period(bench: KitBench, finding: CheckResult) -> None:
     """Check that a step lasts one period of the robot's file, by the distance driven in 40 steps."""
     spec = bench.spec()
     with bench.rig() as rig:
-        backend, count, speed = rig.backend, 40, 0.2
+        backend, count, (speed, _) = rig.backend, 40, drivable(spec, 0.2, 0.0)
         finding.expect(backend.period == spec.period_s, f"{backend.period} s, not {spec.period_s} s")
         base = needed(backend, Base)
         for _ in range(20):  # until the speed is reached
@@ -143,9 +142,8 @@ def _different(one: Record, other: Record) -> list[str]:
     """Return the names of readings that differ, with the first period in which they do."""
     first: dict[str, int] = {}
     for number, (a, b) in enumerate(zip(one, other, strict=True)):
-        for name in a:
-            if not np.array_equal(a[name], b[name], equal_nan=True):
-                first.setdefault(name, number)
+        for name in sorted(different_readings(a, b)):
+            first.setdefault(name, number)
     return [f"{name} from period {number} on" for name, number in first.items()]
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping
+
 import numpy as np
 
 from handcart.backends.backend import Backend, CommandError
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
-from handcart.backends.capabilities.capability import Capability
+from handcart.backends.capabilities.capability import Capability, Reading
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.sensors.all_kinds import all_capabilities
 from handcart.robotics.numerics.arrays import FloatArray
@@ -17,6 +21,7 @@ from .parts import needed
 
 SETTLING_PERIODS = 10  # periods within which a robot comes to rest
 CHECK_SPEED = 0.3  # [rad/s], [m/s] at which checks move joints
+LIMIT_RATIO = 0.9  # of a limit that checks stay below
 CAR_SPEED = 0.2  # [m/s] at which a car turns
 STEERING_PERIODS = 120  # periods within which it has steered from one side to the other and turned
 
@@ -67,19 +72,31 @@ def driven(backend: Backend, speed: float, turn_rate: float, periods: int) -> tu
 def drivable(spec: RobotFile, speed: float, turn_rate: float) -> tuple[float, float]:
     """Return the speed in [m/s] and the turn rate in [rad/s] that the base can drive.
 
-    These are the wanted values, except for a car, which turns only while driving, and only as sharply as its
-    steering allows.
+    These are the wanted values, or less for a robot whose limits are below them. A car turns only while
+    driving, and only as sharply as its steering allows.
 
     Args:
         spec: the robot's file.
         speed: wanted speed, in [m/s].
         turn_rate: wanted turn rate, in [rad/s].
     """
-    if spec.drive.kind != "ackermann":
-        return speed, turn_rate
-    speed = speed or CAR_SPEED * (turn_rate != 0.0)
-    most = 0.9 * spec.drive.sharpest_per_m * abs(speed)
-    return speed, max(-most, min(turn_rate, most))
+    car = spec.drive.kind == "ackermann"
+    if car and turn_rate:
+        speed = speed or CAR_SPEED
+    speed = _within(speed, spec.drive.top_speed_m_s)
+    turn_rate = _within(turn_rate, math.radians(spec.drive.top_turn_deg_s))
+    return speed, _within(turn_rate, spec.drive.sharpest_per_m * abs(speed)) if car else turn_rate
+
+
+def sideways_speed(spec: RobotFile, speed: float) -> float:
+    """Return the speed to the left in [m/s] that a base can drive: the wanted one, or less."""
+    return _within(speed, spec.drive.top_sideways)
+
+
+def _within(value: float, limit: float) -> float:
+    """Return the value, or 90 % of the limit with its sign where that is less."""
+    most = LIMIT_RATIO * limit
+    return max(-most, min(value, most))
 
 
 def beside(spec: RobotFile, joints: FloatArray, number: int, way: float) -> FloatArray:
@@ -124,15 +141,32 @@ def move_joints(backend: Backend, arm: Arm, goal: FloatArray, speed: float = CHE
 def all_readings(backend: Backend) -> dict[str, FloatArray]:
     """Return all readings of all capabilities in this period, each as numbers (n,) in its units.
 
-    A reading is named by capability and method, such as "arm joints".
+    A reading is named by capability and method, such as "arm joints", and where several sensors have that
+    name, by the sensor's own as well. A sensor that measured nothing in this period has none.
     """
     result: dict[str, FloatArray] = {}
-    for part in backend.capabilities():
-        for method, reading in part.READINGS.items():
-            numbers = as_numbers(getattr(part, method)(), reading.measured)
-            if numbers is not None:
-                result[reading_name(part, method)] = numbers
+    for name, part, method, reading in _named_readings(backend):
+        numbers = as_numbers(getattr(part, method)(), reading.measured)
+        if numbers is not None:
+            result[name] = numbers
     return result
+
+
+def _named_readings(backend: Backend) -> Iterator[tuple[str, Capability, str, Reading]]:
+    """Yield each reading of each capability: its name, the capability, the method, and its declaration."""
+    names = Counter(reading_name(part, method) for part in backend.capabilities() for method in part.READINGS)
+    for number, part in enumerate(backend.capabilities(), start=1):
+        for method, reading in part.READINGS.items():
+            name = reading_name(part, method)
+            own = f" of {part.sensor_name or number}" if names[name] > 1 else ""
+            yield f"{name}{own}", part, method, reading
+
+
+def different_readings(first: Mapping[str, FloatArray], other: Mapping[str, FloatArray]) -> set[str]:
+    """Return the names of the readings that differ, or that are there only once."""
+    both = first.keys() & other.keys()
+    unequal = {name for name in both if not np.array_equal(first[name], other[name], equal_nan=True)}
+    return unequal | (first.keys() ^ other.keys())
 
 
 def changing_readings(backend: Backend, periods: int) -> set[str]:
@@ -140,8 +174,7 @@ def changing_readings(backend: Backend, periods: int) -> set[str]:
     first, changed = all_readings(backend), set[str]()
     for _ in range(periods):
         backend.step()
-        now = all_readings(backend)
-        changed |= {name for name in now if not np.array_equal(now[name], first[name], equal_nan=True)}
+        changed |= different_readings(first, all_readings(backend))
     return changed
 
 
@@ -149,12 +182,7 @@ def noisy_readings(backend: Backend) -> set[str]:
     """Return the names of the backend's sensor readings that are noisy on a real robot, such as "arm
     joints".
     """
-    return {
-        reading_name(part, method)
-        for part in backend.capabilities()
-        for method, reading in part.READINGS.items()
-        if reading.noisy
-    }
+    return {name for name, _, _, reading in _named_readings(backend) if reading.noisy}
 
 
 def reading_name(part: Capability, method: str) -> str:

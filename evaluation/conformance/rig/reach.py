@@ -21,7 +21,7 @@ from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 
 from .parts import part_of
-from .periods import beside
+from .periods import beside, drivable
 
 SPEED, CREEP, SWINGS = 0.2, 0.02, 0.3  # [m/s], [m/s], [rad/s]
 NEGLIGIBLE_M = 0.002  # [m] left that count as nothing
@@ -60,8 +60,9 @@ class Reach(ActionPrimitive):
     def _drive(self, robot: Robot) -> Periods:
         """Drive ahead by `ahead_m`, within the robot's limit of acceleration."""
         left, speed, rate = self.ahead_m, 0.0, robot.drive_limits.acceleration
+        top, _ = drivable(robot.spec, SPEED, 0.0)
         while left > NEGLIGIBLE_M:
-            speed = min(SPEED, speed + rate * robot.period, max(CREEP, math.sqrt(rate * left)))
+            speed = min(top, speed + rate * robot.period, max(CREEP, math.sqrt(rate * left)))
             robot.base.drive(speed, 0.0)
             left -= speed * robot.period
             yield
