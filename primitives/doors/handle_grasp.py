@@ -10,11 +10,11 @@ import numpy as np
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.motions.arm_motion import ARM_MARGIN_M
-from handcart.robotics.geometry.transform import Transform, transform
+from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Solid
 from handcart.robotics.manipulation.doors.door_joint import DoorJoint
-from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.manipulation.motions.collision_model import HELD_NAME, CollisionModel
 from handcart.robotics.manipulation.motions.motion_planner import plan_straight
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -62,7 +62,8 @@ def plan_handle(
     """Return the grasp with which the hand can move the handle the farthest; None if there is none.
 
     On the path of the handle, and as the hand withdraws at its end, the arm touches neither obstacles nor the
-    robot. The front is checked only at its present place.
+    robot nor the front, and the front does not touch the robot. The front is not checked against obstacles,
+    such as the frame around it.
 
     Args:
         robot: robot with an arm and a gripper.
@@ -77,11 +78,14 @@ def plan_handle(
     half = (spec.opening_mm if spec is not None else 0.0) / 2e3
     arm = robot.arm_model.with_others({"left_finger": half, "right_finger": half})
     collision = CollisionModel(arm, (*around, front), margin=ARM_MARGIN_M)
-    on_path = CollisionModel(arm, around, margin=ARM_MARGIN_M)
+    from_now = np.linalg.inv(joint.displaced(openings[0]))
+    moved = front.seen_from(np.asarray(joint.displaced(openings[1]) @ from_now))
+    at_end = CollisionModel(arm, (*around, moved), margin=ARM_MARGIN_M)
     here, best = robot.arm.command(), None
     for handle_T_hand in hand_poses(door, robot.spec.finger_shape.tip):
         grip = np.asarray(base_T_handle @ handle_T_hand)
         ahead = np.asarray(grip @ transform((-APPROACH_M, 0.0, 0.0)))
+        checks = _moving_front(arm, around, front, grip), at_end
         for number, before in enumerate(arm.solutions(ahead, here, restarts=IK_RESTARTS)):
             if number == POSTURES_PER_GRASP:
                 break
@@ -90,7 +94,7 @@ def plan_handle(
             line = plan_straight(arm, before, grip, STRAIGHT_STEP_M, collision)
             if line is None:
                 continue
-            found = PlannedHandle(before, grip, *_followed(on_path, line[-1], grip, joint, openings))
+            found = PlannedHandle(before, grip, *_followed(checks, line[-1], grip, joint, openings))
             if best is None or (found.reach, found.lever) > (best.reach, best.lever):
                 best = found
         if best is not None and best.reach == 1.0 and best.lever > GOOD_LEVER_M:
@@ -116,8 +120,24 @@ def hand_poses(door: KnownDoor, tip: float) -> Iterator[Transform]:
             yield np.asarray(transform(rpy=(0.0, 0.0, math.radians(azimuth))) @ pose)
 
 
+def _moving_front(
+    arm: ArmModel, around: Sequence[Solid], front: Solid, base_T_grip: Transform
+) -> CollisionModel:
+    """Return a model of the arm with a door's front that moves along with the hand on its handle.
+
+    Args:
+        arm: the arm.
+        around: obstacles in the base frame, which the front may touch.
+        front: front of the door, in the base frame, where the hand takes the handle.
+        base_T_grip: (4, 4) pose of the hand there.
+    """
+    carried, touched = front.seen_from(inverse(base_T_grip)), {body.name for body in around}
+    allowed = [(HELD_NAME, name) for name in touched]
+    return CollisionModel(arm, around, carried, margin=ARM_MARGIN_M, allowed=allowed)
+
+
 def _followed(
-    collision: CollisionModel,
+    checks: tuple[CollisionModel, CollisionModel],
     joints: FloatArray,
     grip: Transform,
     joint: DoorJoint,
@@ -128,13 +148,15 @@ def _followed(
     The lever is the motion of the hand, in [m], by a turn of 1 rad of the joint that turns most.
 
     Args:
-        collision: arm of the robot among obstacles that it must not touch on the path.
+        checks: arm of the robot with the door's front in its hand, for the path; and among obstacles and the
+            front at the path's end, for the withdrawal.
         joints: (n,) posture at the begin of the path, in [rad] or [m].
         grip: (4, 4) base_T_hand at the begin.
         joint: believed joint of the door, in the base frame.
         openings: opening at the begin and at the end, in [rad] or [m].
     """
-    (begin, end), arm = openings, collision.arm
+    (begin, end), (collision, at_end) = openings, checks
+    arm = collision.arm
     from_now = np.linalg.inv(joint.displaced(begin))
     count = max(1, math.ceil(abs(joint.travel(end - begin)) / STEP_M))
     least = _lever(arm, joints, joint, begin)
@@ -149,7 +171,7 @@ def _followed(
             return (number - 1) / count, least
         joints, least = found, min(least, lever)
     back = arm.forward(joints) @ transform((-APPROACH_M, 0.0, 0.0))
-    line = plan_straight(arm, joints, np.asarray(back), STRAIGHT_STEP_M, collision)
+    line = plan_straight(arm, joints, np.asarray(back), STRAIGHT_STEP_M, at_end)
     return 1.0 if line is not None else (count - 1) / count, least
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import ClassVar
 
@@ -11,7 +12,9 @@ from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.world.grasp import Pads, fits
 from handcart.backends.simulation.world.hand_rule import HandRule
 from handcart.backends.simulation.world.props import Props
+from handcart.backends.simulation.world.solids import FloorPlan, Solid
 from handcart.backends.simulation.world.thing import Rest, Thing
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.arm_model import ArmModel
 
 from .door_part import FRONT, HANDLE, DoorPart, middle_of, new_part, part_at
@@ -33,6 +36,7 @@ class DoorProps(Props[DoorsSection]):
             for part in (new_part(spec, kind, spec.opened) for kind in (FRONT, HANDLE))
         }
         self.openings = {spec.name: spec.opened for spec in self.spec.doors}
+        self._plan: tuple[tuple[float, ...], FloorPlan] | None = None
         self.scene.changes += 1
 
     @override
@@ -41,7 +45,19 @@ class DoorProps(Props[DoorsSection]):
 
     @override
     def hand_rule(self, arm: ArmModel) -> HandRule | None:
-        return DoorRule(self.scene, arm, self.opening_of, self.put) if self.parts else None
+        if not self.parts:
+            return None
+        return DoorRule(self.scene, arm, self.opening_of, self.put, lambda: self.base_gap(self.scene.base))
+
+    @override
+    def base_gap(self, base: Pose2) -> tuple[float, str]:
+        if not self.parts:
+            return math.inf, ""
+        key = tuple(self.openings.values())
+        if self._plan is None or self._plan[0] != key:
+            solids = [Solid(part.box()) for part in self.parts.values()]
+            self._plan = key, FloorPlan(solids, 0.02, self.scene.robot.body_height)
+        return self._plan[1].gap(base, self.scene.robot.footprint_shape, self.scene.time)
 
     @override
     def fits(self, thing: Thing, pads: Pads) -> bool:

@@ -39,6 +39,7 @@ class DoorRule(HandRule):
         arm: ArmModel,
         opening_of: Callable[[str], float],
         put: Callable[[str, float], None],
+        base_gap: Callable[[], tuple[float, str]],
     ) -> None:
         """Prepare for the doors of a scene.
 
@@ -47,8 +48,11 @@ class DoorRule(HandRule):
             arm: kinematics of the arm.
             opening_of: returns the opening of a door, given its name, in [rad] or [m].
             put: sets the opening of a door, given its name and the opening in [rad] or [m].
+            base_gap: returns the distance from the base's body to the nearest part of a door, in [m], below
+                zero if they overlap, and the name of that part.
         """
         self._scene, self._arm, self._opening_of, self._put = scene, arm, opening_of, put
+        self._base_gap = base_gap
         self.grip = NOTHING_HELD
         """Middle (3,) of the held bar in the hand frame, in [m]."""
 
@@ -66,19 +70,22 @@ class DoorRule(HandRule):
             return Met(joints)
         world_T_base = scene.world_T_base
         pulled = apply(world_T_base @ self._arm.forward(joints), self.grip[None])[0]
-        self._follow(held, pulled)
+        pairs = self._follow(held, pulled)
         base_T_world, end = inverse(world_T_base)[:3, :3], joints
         for _ in range(ROUNDS):
             there = apply(world_T_base @ self._arm.forward(end), self.grip[None])[0]
             end = push_out(self._arm, end, base_T_world @ (middle_of(held) - there))
-        return Met(end)
+        return Met(end, pairs=pairs)
 
-    def _follow(self, held: DoorPart, pulled: FloatArray) -> None:
-        """Move the door until its friction balances the pull of the hand.
+    def _follow(self, held: DoorPart, pulled: FloatArray) -> frozenset[tuple[str, str]]:
+        """Move the door until its friction balances the pull of the hand, or until it meets the base.
 
         Args:
             held: handle in the hand.
             pulled: (3,) point in the world to which the middle of the bar is commanded, in [m].
+
+        Returns:
+            The pair of the base and the part of the door that touch, if they do.
         """
         spec, opening = held.spec, self._opening_of(held.spec.name)
         joint = spec.true_joint()
@@ -87,8 +94,15 @@ class DoorRule(HandRule):
         slack = spec.friction_n / ARM_STIFFNESS_N_M
         moved = np.sign(way) * max(0.0, abs(way) - slack) / lever
         reached = min(max(opening + float(moved), spec.start), spec.stop)
-        if reached != opening:
-            self._put(spec.name, reached)
+        if reached == opening:
+            return frozenset()
+        before, _ = self._base_gap()
+        self._put(spec.name, reached)
+        gap, part = self._base_gap()
+        if gap >= min(0.0, before):
+            return frozenset()
+        self._put(spec.name, opening)
+        return frozenset({("base", part)})
 
     @override
     def carry(self, thing: Thing, world_T_hand: Transform, start: FloatArray) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from typing import Any, ClassVar, Self
@@ -11,6 +12,7 @@ import numpy as np
 from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.world.sheet import Sheet
 from handcart.backends.simulation.world.thing import Rest, Thing
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.numerics.arrays import FloatArray
@@ -51,6 +53,12 @@ class SceneProps(ABC):
         for thing in self.things():
             if thing.rest in rests:
                 yield paint_thing(thing)
+
+    def base_gap(self, base: Pose2) -> tuple[float, str]:
+        """Return the distance from the body of a base at a pose world_T_base to the nearest thing that stops
+        it, in [m], and the thing's name; below zero if they overlap, infinity if no thing stops a base.
+        """
+        return math.inf, ""
 
     # What happens
 

@@ -170,6 +170,20 @@ def test_handle_is_not_followed_into_a_wall_nor_let_go_before_one(tmp_path: Path
     assert found[0] < 0.7 < found[1] < 1.0 == found[2]
 
 
+@pytest.mark.parametrize(("begins_at", "reaches"), [(0.08, True), (0.4, False)])
+def test_front_is_not_moved_into_the_base(tmp_path: Path, begins_at: float, reaches: bool) -> None:
+    """The front, or what juts out of it below the handle, is moved by 0.2 m towards the base."""
+    with rig_at("drawer", tmp_path) as rig:
+        primitive = OpenDoor(door="drawer")
+        model: Any = rig.model.view(primitive)  # type: ignore[arg-type]
+        joint, door = primitive.believed_joint(rig.robot, model), primitive.known(model)
+        handle = joint.handle_at(0.0)
+        low = Box(handle @ transform((begins_at, 0.0, -0.6)), (0.02, 0.6, 0.3), "front")
+        plan = plan_handle(rig.robot, door, handle, joint, (0.0, 0.2), low, ())
+        assert plan is not None
+        assert (plan.reach == 1.0) is reaches
+
+
 @pytest.mark.slow
 def test_arm_goes_home_clear_of_the_opened_door(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     kept_clear: list[Any] = []
