@@ -14,7 +14,7 @@ from handcart.evaluation.offline_localization.bags.bag_messages import Bag, BagE
 from handcart.files.errors import FileError, Finding, InputError
 from handcart.files.extras import lack
 from handcart.files.suggest import listed, suggest
-from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.pose2 import Pose2, heading_of
 from handcart.robotics.navigation.mapping.scan_log import ScanLog
 from handcart.robotics.numerics.arrays import FloatArray
 
@@ -89,14 +89,12 @@ def _stamp(header: Any) -> float:
 
 
 def _planar(place: Any, turned: Any) -> Pose2:
-    sin = 2.0 * (turned.w * turned.z + turned.x * turned.y)
-    cos = 1.0 - 2.0 * (turned.y**2 + turned.z**2)
-    return Pose2(float(place.x), float(place.y), math.atan2(sin, cos))
+    return Pose2(float(place.x), float(place.y), heading_of(turned.x, turned.y, turned.z, turned.w))
 
 
 def _is_flipped(turned: Any) -> bool:
     """Return whether the z axis points down."""
-    return bool(1.0 - 2.0 * (turned.x**2 + turned.y**2) < 0.0)
+    return bool(turned.w**2 + turned.z**2 < turned.x**2 + turned.y**2)
 
 
 def _transforms(bag: Bag) -> dict[str, list[tuple[float, str, Pose2, bool]]]:
@@ -109,6 +107,8 @@ def _transforms(bag: Bag) -> dict[str, list[tuple[float, str, Pose2, bool]]]:
             continue
         for transform in message.content.transforms:
             pose = _planar(transform.transform.translation, transform.transform.rotation)
+            if not all(map(math.isfinite, pose)):
+                continue
             row = _stamp(transform.header), str(transform.header.frame_id).lstrip("/"), pose
             name = str(transform.child_frame_id).lstrip("/")
             found.setdefault(name, []).append((*row, _is_flipped(transform.transform.rotation)))

@@ -9,6 +9,18 @@ import numpy as np
 
 from handcart.robotics.numerics.arrays import FloatArray
 
+MIN_QUATERNION = 1e-6  # squared length of a quaternion below which it is no turn
+
+
+def heading_of(x: float, y: float, z: float, w: float) -> float:
+    """Return the heading in [rad] of a quaternion of any length, in ROS's order; NaN for one that is no turn,
+    such as the zeros of a message that was not filled in.
+    """
+    length = x * x + y * y + z * z + w * w
+    if not MIN_QUATERNION < length < math.inf:
+        return math.nan
+    return math.atan2(2.0 * (w * z + x * y), length - 2.0 * (y * y + z * z))
+
 
 def wrap(angle: float) -> float:
     """Return the angle wrapped to (-pi, pi], in [rad]."""

@@ -15,6 +15,7 @@ from handcart.evaluation.offline_localization.logs.places import checked_places
 from handcart.files.errors import FileError, Finding, InputError
 from handcart.files.extras import lack
 from handcart.files.suggest import listed
+from handcart.robotics.geometry.pose2 import heading_of
 
 from .bag_messages import Bag, BagError, BagMessage, read_bag
 
@@ -182,9 +183,8 @@ def _row(time: float, message: BagMessage, reference: str | None) -> _Row:
         pose = content.pose
         pose = getattr(pose, "pose", pose)
         turned = pose.orientation
-        sin = 2.0 * (turned.w * turned.z + turned.x * turned.y)
-        cos = 1.0 - 2.0 * (turned.y**2 + turned.z**2)
-        return _Row(time, topic, reference=(pose.position.x, pose.position.y, math.atan2(sin, cos)))
+        heading = heading_of(turned.x, turned.y, turned.z, turned.w)
+        return _Row(time, topic, reference=(pose.position.x, pose.position.y, heading))
     if message.kind == IMU:
         turn, felt = content.angular_velocity, content.linear_acceleration
         return _Row(time, topic, (turn.x, turn.y, turn.z), (felt.x, felt.y, felt.z))

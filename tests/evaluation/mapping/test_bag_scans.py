@@ -29,9 +29,11 @@ def turned(heading: float, is_flipped: bool) -> tuple[float, float, float, float
     return (w, z, 0.0, 0.0) if is_flipped else (0.0, 0.0, z, w)
 
 
-def write_bag(path: Path, is_flipped: bool, east: float = 0.0) -> None:
+def write_bag(
+    path: Path, is_flipped: bool, east: float = 0.0, lengths: tuple[float, ...] = (1.0, 1.0, 1.0)
+) -> None:
     """Write two scans, at 0.5 s and 1.0 s, odometry at 0, 1 and 2 s, `east` of its origin in [m], and the
-    mounting on tf_static.
+    mounting on tf_static; `lengths` are those of the odometry's quaternions.
     """
     from rosbags.rosbag2 import Writer
     from rosbags.typesys import Stores, get_typestore
@@ -70,7 +72,7 @@ def write_bag(path: Path, is_flipped: bool, east: float = 0.0) -> None:
         )
         for when, (ox, oy, turn) in enumerate(ODOMETRY):
             there = kinds["geometry_msgs/msg/PoseWithCovariance"](
-                pose(ox + east, oy, turned(turn, False)), np.zeros(36)
+                pose(ox + east, oy, tuple(lengths[when] * part for part in turned(turn, False))), np.zeros(36)
             )
             write(1, float(when), kinds[names[1]](header(float(when), "odom"), "base", there, still))
         # Seen from above, the beams of a lidar that is upside down run clockwise.
@@ -111,3 +113,14 @@ def test_odometry_without_a_usable_pose_is_refused(tmp_path: Path, east: float) 
     write_bag(tmp_path / "bag", False, east)
     with pytest.raises(FileError, match=r"topic /odom: none of 3 poses is finite and within 1000 km"):
         read_bag_scans(tmp_path / "bag")
+
+
+def test_quaternions_of_any_length_are_turns_and_zeros_are_none(tmp_path: Path) -> None:
+    """An odometry that rounds its quaternions, or whose first message was not filled in."""
+    write_bag(tmp_path / "even", False)
+    expected = read_bag_scans(tmp_path / "even")
+    write_bag(tmp_path / "uneven", False, lengths=(1.02, 0.5, 3.0))
+    assert read_bag_scans(tmp_path / "uneven").odometry == pytest.approx(expected.odometry, abs=1e-9)
+    write_bag(tmp_path / "empty", False, lengths=(0.0, 1.0, 1.0))
+    assert read_bag_scans(tmp_path / "empty").odometry[-1] == pytest.approx(expected.odometry[-1])
+    assert read_bag_scans(tmp_path / "empty").odometry[0] == pytest.approx(ODOMETRY[1])
