@@ -65,7 +65,11 @@ def read_objects(
             view = TagView(
                 camera, base_T_camera, read.corners, apply(object_T_tag, UNIT_TAG_CORNERS * tag.side)
             )
-            poses = tag_poses(read, camera, tag.side)
+            try:
+                poses = tag_poses(read, camera, tag.side)
+            except ValueError:  # its corners are seen through the lens where its model is not valid
+                found.append(ReadTag(read, label, None, None, None))
+                continue
             found.append(ReadTag(read, label, name, view, _likelier(poses, base_T_camera, object_T_tag)))
     return found
 

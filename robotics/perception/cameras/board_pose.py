@@ -11,6 +11,7 @@ from handcart.robotics.geometry.transform import Transform, apply
 from handcart.robotics.numerics.arrays import FloatArray
 from handcart.robotics.perception.cameras.calibration_board import BoardView
 from handcart.robotics.perception.cameras.camera_model import CameraModel
+from handcart.robotics.perception.cameras.planar_pose import planar_poses
 
 _LEAST_NOISE = 0.02  # [px]: no corner is believed to be better
 
@@ -33,10 +34,12 @@ def pose_board(view: BoardView, camera: CameraModel) -> PosedBoard:
         ValueError: the corners are not an image of a board.
     """
     rays = camera.undistort(view.pixels)
-    solved, turn, origin = cv2.solvePnP(view.points, rays, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE)
-    if not solved:
-        raise ValueError("the corners are not an image of a board")
-    turn, origin = cv2.solvePnPRefineLM(view.points, rays, np.eye(3), None, turn, origin)
+    try:
+        start = planar_poses(view.points, rays)[0].camera_T_plane
+    except ValueError:
+        raise ValueError("the corners are not an image of a board") from None
+    first_turn, first_origin = cv2.Rodrigues(start[:3, :3])[0], start[:3, 3].copy()
+    turn, origin = cv2.solvePnPRefineLM(view.points, rays, np.eye(3), None, first_turn, first_origin)
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = cv2.Rodrigues(turn)[0], origin.ravel()
     off = camera.project(apply(pose, view.points)) - view.pixels

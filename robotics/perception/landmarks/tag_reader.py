@@ -10,6 +10,7 @@ import numpy as np
 
 from handcart.robotics.numerics.arrays import ByteArray, FloatArray
 from handcart.robotics.perception.cameras.camera_model import CameraModel
+from handcart.robotics.perception.cameras.planar_pose import planar_poses
 from handcart.robotics.perception.landmarks.tag_family import (
     DEFAULT_FAMILY,
     TagFamily,
@@ -112,17 +113,11 @@ def tag_poses(tag: Tag, camera: CameraModel, side: float) -> list[TagPose]:
     """
     half = side / 2
     square = np.array([[-half, half, 0], [half, half, 0], [half, -half, 0], [-half, -half, 0]])
-    rays = camera.undistort(tag.corners)
-    flags = cv2.SOLVEPNP_IPPE_SQUARE
-    solved, turns, origins, errors = cv2.solvePnPGeneric(square, rays, np.eye(3), None, flags=flags)
-    if not solved:
-        raise ValueError(f"the corners of tag {tag.id} are not an image of a square")
-    found = []
-    for turn, origin, error in zip(turns, origins, errors, strict=True):
-        pose = np.eye(4)
-        pose[:3, :3], pose[:3, 3] = cv2.Rodrigues(turn)[0], origin.ravel()
-        found.append(TagPose(pose, float(camera.K[0, 0] * error[0])))
-    return found
+    try:
+        poses = planar_poses(square, camera.undistort(tag.corners))
+    except ValueError:
+        raise ValueError(f"the corners of tag {tag.id} are not an image of a square") from None
+    return [TagPose(pose, float(camera.K[0, 0]) * rms) for pose, rms in poses]
 
 
 def _correction_rate(family: TagFamily) -> float:
