@@ -18,6 +18,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 HELD_NAME = "held"
 _EASED_M = 1e-5  # within which a posture is as close as another one
+_TREE_BODIES = 100  # beyond which a tree of boxes finds close bodies faster than a check of all pairs
 _TOUCH = 1e-6  # coal calls overlapping bodies free at margin 0: its GJK stops at a distance of 1e-10 [m]
 
 
@@ -76,9 +77,13 @@ class CollisionModel:
             request.security_margin = max(margin, _TOUCH)
         middle = arm.ordered(0.5 * (arm.lower + arm.upper))
         pin.updateGeometryPlacements(self._model, self._model_data, self._bodies, self._data, middle)
-        self._tree = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(
-            self._model, self._bodies, self._data
+        many = len(self._names) > _TREE_BODIES
+        manager = (
+            pin.BroadPhaseManager_DynamicAABBTreeCollisionManager
+            if many
+            else pin.BroadPhaseManager_NaiveCollisionManager
         )
+        self._broad_phase = manager(self._model, self._bodies, self._data)
 
     @property
     def pairs(self) -> int:
@@ -88,7 +93,7 @@ class CollisionModel:
     def in_collision(self, q: FloatArray) -> bool:
         """Return True if two bodies are closer than the margin at joint angles `q` (n,), in [rad] or [m]."""
         angles = self.arm.ordered(q)
-        found: bool = pin.computeCollisions(self._model, self._model_data, self._tree, angles, True)
+        found: bool = pin.computeCollisions(self._model, self._model_data, self._broad_phase, angles, True)
         return found
 
     def distance(self, q: FloatArray) -> float:

@@ -84,9 +84,11 @@ def test_other_shapes(arm: ArmModel, body: Cylinder | Sphere) -> None:
 
 
 @pytest.mark.slow
-def test_check_distance_and_contacts_agree(arm: ArmModel) -> None:
+@pytest.mark.parametrize("boards", [1, 4])
+def test_check_distance_and_contacts_agree(arm: ArmModel, boards: int) -> None:
     """Also where coal, asked without margin, would call overlapping bodies free."""
-    shelf = [Box(transform((0.6, -0.5 + 0.04 * k, 0.8)), (0.15, 0.03, 0.2), f"book_{k}") for k in range(25)]
+    places = [(0.6, -0.5 + 0.04 * k, 0.8 + 0.5 * board) for board in range(boards) for k in range(25)]
+    shelf = [Box(transform(place), (0.15, 0.03, 0.2), f"book_{k}") for k, place in enumerate(places)]
     collision = CollisionModel(arm, shelf, held=Box(transform((0.19, 0.0, 0.0)), (0.14, 0.03, 0.2)))
     postures = np.random.default_rng(1).uniform(arm.lower, arm.upper, (600, 6))
     hits = [collision.in_collision(q) for q in postures]
