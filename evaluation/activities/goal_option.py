@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 
 from handcart.files.errors import Finding
 
+from .bddl_judge import PREDICATES
 from .definition import Definition, Literal
 from .thing_relation import ThingRelation, entry_of, is_floor, is_support, relation_of
 from .thing_table import CarriedEntry, FurnitureEntry
@@ -69,6 +70,10 @@ class GoalOption:
 
     def _add_barred(self, literal: Literal) -> None:
         _, predicate, thing, *_ = literal
+        if predicate not in PREDICATES:
+            words = f"the condition {predicate!r} isn't simulated; allowed: {', '.join(PREDICATES)}"
+            self.wrong.append(self._definition.finding(literal, words))
+            return
         is_furniture = isinstance(entry_of(self._definition, thing), FurnitureEntry)
         if is_furniture and predicate != "nextto" and not is_support(self._definition, literal[1:]):
             return  # it isn't there at first, and isn't moved

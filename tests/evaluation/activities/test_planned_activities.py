@@ -87,6 +87,12 @@ def test_furniture_that_has_to_be_carried_is_refused() -> None:
         plan_activity("putting_away_games", 0, "librarian", False)
 
 
+def test_condition_that_must_not_hold_has_to_be_simulated() -> None:
+    """The refrigerator has to be closed in the end: the judge broke on it after the run."""
+    with pytest.raises(FileError, match="the condition 'open' isn't simulated; allowed: ontop, inside"):
+        plan_activity("bringing_water", 0, "librarian", False)
+
+
 def test_list_counts_reasons_once_for_each_activity() -> None:
     no_size = "no size is known for 'rag.n.01'; did you mean 'bag.n.06'? allowed: book.n.02"
     twice = ("box.n.01_1 is too wide: 9 mm; allowed: less", "box.n.01_2 is too wide: 9 mm; allowed: less")
