@@ -45,6 +45,8 @@ ROBOTS = {
     "picking_up_books_at_library": LIBRARIAN,
     "re_shelving_library_books": LIBRARIAN,
     "boxing_books_up_for_storage": LIBRARIAN,
+    "collecting_childrens_toys": LIBRARIAN,
+    "picking_up_trash": FETCH,
 }
 """Activities whose things are rigid, and a robot whose fingers take them; those with few things to move come
 first. The librarian does not take low things off the floor."""

@@ -55,7 +55,7 @@ def aimed_joints(
         views.sort(key=lambda view: -_along(view[1], point, towards))
         for joints, base_T_camera in views:
             if not collision.in_collision(joints) and not collision.touches(
-                joints, _sight(base_T_camera, point)
+                joints, sight_line(base_T_camera, point)
             ):
                 return joints, base_T_camera
     return None
@@ -138,11 +138,11 @@ def hidden_count(
         base_T_camera: (4, 4) of the camera at these joints.
         points: (m, 3) in the base frame, in [m].
     """
-    lines = [_sight(base_T_camera, point, CORNER_SIGHT_WIDTH_M, NEAR_HAND_CAMERA_M) for point in points]
+    lines = [sight_line(base_T_camera, point, CORNER_SIGHT_WIDTH_M, NEAR_HAND_CAMERA_M) for point in points]
     return sum(collision.obstacle_touches(line) or collision.touches(joints, line) for line in lines)
 
 
-def _sight(
+def sight_line(
     base_T_camera: Transform, point: FloatArray, width: float = SIGHT_WIDTH_M, nearest: float = NEAR_CAMERA_M
 ) -> Box:
     """Return the line of sight from a camera to a point as a body in the base frame.

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 
 import cv2
 import numpy as np
 
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.world_model import ModelView
+from handcart.primitives.motions.arm_motion import collision_model
 from handcart.primitives.objects.files.object_kind import ObjectKind
 from handcart.primitives.objects.files.surface import ObjectSurface
 from handcart.primitives.objects.holding.placing_plan import FOOT_MARGIN_M
+from handcart.primitives.objects.knowledge.aimed_view import sight_line
+from handcart.primitives.objects.site.object_site import surroundings
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.outcomes.evidence import Evidence
 from handcart.primitives.restoring.snapshot import settle
 from handcart.robotics.geometry.transform import Transform, apply, inverse
-from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.numerics.arrays import FloatArray, SingleArray
 from handcart.robotics.perception.drawing.overlay import draw_overlay
 from handcart.robotics.perception.objects.plain_patch import PictureEdges, is_plain
 
@@ -25,7 +28,10 @@ from .object_look import look_from
 from .view_plan import directions
 
 VIEW_DISTANCES_M = (0.32, 0.38, 0.26, 0.46, 0.54)  # the far ones over the rim of a deep box
+SIGHT_WIDTH_M = 0.01  # of the line of sight to a point of a spot
 VIEW_SPARE = 1.05  # of a view's width over the foot in it
+GRID_POINTS = 9  # along each side of a spot, of which those that are hidden are left out
+MIN_SEEN_SHARE = 0.4  # of these points: where fewer are seen, nothing is known of the spot
 RIM_M = 0.01  # of a surface along its edge, that isn't judged: the edge would be seen as a thing
 
 
@@ -50,7 +56,7 @@ def is_spot_free(
         base_T_goal: (4, 4) pose of the object at the spot.
 
     Raises:
-        Discrepancy: no view of the spot is free.
+        Discrepancy: no view of the spot is free, or walls and known objects hide most of it.
     """
     towards, distances = list(directions((), None, "any")), _showing_all(robot, kind)
     foot, middle = foot_corners(kind, base_T_goal), base_T_goal[:3, 3]
@@ -58,7 +64,10 @@ def is_spot_free(
         raise Discrepancy(f"no view of {name} is free", cause=causes.NO_ARM_PATH)
     yield from settle(robot)
     yield
-    photo, corners = robot.photo(), _on_surface(robot, surface, foot)
+    photo = robot.photo()
+    corners = _seen_part(robot, model, photo.base_T_camera, _on_surface(robot, surface, foot))
+    if corners is None:
+        raise Discrepancy(f"walls or objects hide the spot on {name}", cause=causes.NOT_SEEN)
     share = PictureEdges.of_picture(photo.pixels).share(photo.camera, photo.base_T_camera, corners)
     outline = photo.camera.project(apply(inverse(photo.base_T_camera), corners))
     evidence.pictures["spot"] = draw_overlay(photo.pixels, outlines=[outline])
@@ -86,6 +95,50 @@ def _on_surface(robot: Robot, surface: ObjectSurface, corners: FloatArray) -> Fl
         return corners
     flat = to_base.inverse().apply(np.asarray(common.reshape(-1, 2), dtype=np.float64))
     return np.column_stack([flat, np.full(len(flat), corners[0, 2])])
+
+
+def _seen_part(
+    robot: Robot, model: ModelView, base_T_camera: Transform, corners: FloatArray
+) -> FloatArray | None:
+    """Return the corners (m, 3) of the part of a spot that no wall and no known object hides; None if it is
+    small.
+
+    The rim of a box before the spot would be seen as a thing on it.
+
+    Args:
+        robot: robot at the surface.
+        model: knows surfaces and objects.
+        base_T_camera: (4, 4) pose of the camera.
+        corners: (n, 3) corners of the convex spot in the base frame, in [m].
+    """
+    collision = collision_model(robot, None, surroundings(robot, model))
+    low, high = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
+    shares = np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, GRID_POINTS)] * 2), axis=-1).reshape(-1, 2)
+    outline = corners[:, :2].astype(np.float32)
+    inside = [item for item in (low + shares * (high - low)).tolist() if _is_within(outline, item)]
+    points = np.column_stack([inside, np.full(len(inside), corners[0, 2])])
+    seen = [
+        point
+        for point in points
+        if not collision.obstacle_touches(sight_line(base_T_camera, point, SIGHT_WIDTH_M))
+    ]
+    if len(seen) == len(points):
+        return corners
+    if len(seen) < MIN_SEEN_SHARE * len(points):
+        return None
+    return _hull(np.array(seen))
+
+
+def _is_within(outline: SingleArray, point: Sequence[float]) -> bool:
+    return cv2.pointPolygonTest(outline, (point[0], point[1]), measureDist=False) >= 0.0
+
+
+def _hull(points: FloatArray) -> FloatArray:
+    """Return the corners (m, 3) of the convex hull of points (n, 3) at one height, in the base frame, in
+    [m].
+    """
+    hull = cv2.convexHull(points[:, :2].astype(np.float32)).reshape(-1, 2).astype(np.float64)
+    return np.column_stack([hull, np.full(len(hull), points[0, 2])])
 
 
 def _showing_all(robot: Robot, kind: ObjectKind) -> list[float]:

@@ -11,6 +11,7 @@ import pytest
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.robot.mounted_camera import HAND_LINK
 from handcart.primitives.objects.knowledge.aimed_view import hidden_count
+from handcart.primitives.objects.looking import spot_look
 from handcart.primitives.objects.looking.view_plan import view_joints
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
@@ -66,3 +67,26 @@ def test_view_over_a_wall_before_the_spot_comes_first(robot: Any) -> None:
         assert found is not None
         assert hidden_count(collision, *found, foot) == 0
         assert found[1][:3, 3] == pytest.approx(SPOT + 0.3 * direction, abs=0.01)
+
+
+@pytest.mark.parametrize(("top", "share"), [(0.5, 1.0), (0.6, 0.6), (0.66, None)])
+def test_of_a_spot_behind_a_wall_only_what_is_seen_counts(
+    robot: Any, monkeypatch: pytest.MonkeyPatch, top: float, share: float | None
+) -> None:
+    """The wall hides what is low behind it from a camera that looks over it."""
+    walls = (Box(transform((0.38, 0.0, top / 2)), (0.01, 0.4, top), "wall"),)
+    monkeypatch.setattr(spot_look, "surroundings", lambda *_: walls)
+    monkeypatch.setattr(
+        spot_look, "collision_model", lambda _, held, around: CollisionModel(robot.arm_model, around)
+    )
+    looks = transform((0.0, 0.0, 1.0))
+    looks[:3, :3] = [[0.0, -0.7, 0.7], [-1.0, 0.0, 0.0], [0.0, -0.7, -0.7]]
+    foot = SPOT + SIDES * (0.1, 0.05, 0.0)
+    seen = spot_look._seen_part(robot, None, looks, foot)  # type: ignore[arg-type]
+    if share is None:
+        assert seen is None
+        return
+    assert seen is not None
+    assert seen[:, 0].max() == pytest.approx(0.6, abs=1e-6)
+    assert np.ptp(seen[:, 0]) == pytest.approx(share * 0.2, abs=0.03)
+    assert np.ptp(seen[:, 1]) == pytest.approx(0.1, abs=1e-6)
