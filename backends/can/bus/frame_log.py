@@ -49,9 +49,9 @@ class _Line:
 class FrameLog(Recording):
     """Log of every frame that is sent or received: `frames_000.log`, `frames_001.log` ..., and `frames.json`.
 
-    A file holds 16 MiB, about 350,000 frames; when there are more than 9, the second oldest is deleted.
-    A received frame keeps the interface's time stamp if it is within 60 s of `clock`; every other frame gets
-    the time of `clock`.
+    A run that is resumed goes on with the next number. A file holds 16 MiB, about 350,000 frames; when there
+    are more than 9, the second oldest is deleted. A received frame keeps the interface's time stamp if it is
+    within 60 s of `clock`; every other frame gets the time of `clock`.
     """
 
     suffix = "_frames.log"
@@ -105,7 +105,8 @@ class FrameLog(Recording):
         self._folder = folder
         try:
             write_whole(folder / FRAME_NAMES_FILE, self._names().model_dump_json(indent=1) + "\n", sync=False)
-            self._file = self._part_path(0).open("w", encoding="ascii")
+            self._number = self._free_number()
+            self._file = self._part_path(self._number).open("w", encoding="ascii")
         except OSError as error:
             self._give_up(error)
         for line in self._waiting:
@@ -164,6 +165,14 @@ class FrameLog(Recording):
         if self._number >= MAX_PARTS:
             self._part_path(self._number - MAX_PARTS + 1).unlink(missing_ok=True)
         self._file = self._part_path(self._number).open("w", encoding="ascii")
+
+    def _free_number(self) -> int:
+        """Return the number of the part after those of the interrupted run that is resumed; 0 for a new
+        run.
+        """
+        assert self._folder is not None
+        names = (path.stem.partition("_")[2] for path in self._folder.glob("frames_*.log"))
+        return max((int(name) + 1 for name in names if name.isdecimal()), default=0)
 
     def _part_path(self, number: int) -> Path:
         assert self._folder is not None

@@ -85,6 +85,17 @@ def test_it_is_bounded(tmp_path: Path, clock: Any, make_log: Make) -> None:
     assert all((tmp_path / file).stat().st_size < 300 for file in files)
 
 
+def test_a_resumed_run_keeps_the_frames_before_the_crash(tmp_path: Path, clock: Any, make_log: Make) -> None:
+    """It has the folder of the run that broke off, and wrote over its first file."""
+    for cob_id in (0x181, 0x182, 0x183):
+        log = make_log()
+        log.open(tmp_path)
+        log.note(frame(cob_id), sent=False)
+        log.close()
+    parts = [tmp_path / f"frames_{number:03d}.log" for number in range(3)]
+    assert [[one.arbitration_id for one in read(part)] for part in parts] == [[0x181], [0x182], [0x183]]
+
+
 def test_the_seconds_around_a_mark(tmp_path: Path, clock: Any, make_log: Make) -> None:
     log = make_log()
     log.open(tmp_path)
