@@ -56,10 +56,8 @@ def base_gap(scene: Scene, base: Pose2) -> tuple[float, str]:
         base: pose world_T_base of the footprint.
     """
     shape = scene.robot.footprint_shape
-    found = min(
-        scene.body_plan.gap(base, shape, scene.time),
-        *(props.base_gap(base) for props in scene.props.values()),
-    )
+    own = scene.body_plan.gap(base, shape, scene.time)
+    found = min([own, *(props.base_gap(base) for props in scene.props.values())])
     return min(found, scene.passers.gap(base, shape)) if scene.passers else found
 
 
