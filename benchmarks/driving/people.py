@@ -100,6 +100,8 @@ def people_report(results: list[PeopleTrial], speed: float) -> str:
         spread = f"(5 % {low:.2f}, 95 % {high:.2f})"
         lines.append(f"time over (best way / top speed): median {middle:.2f} {spread}")
     taken = np.concatenate([result.periods_ms for result in results])
+    if not len(taken):
+        return "\n".join([*lines, "no period was measured: the runs ended before they drove"])
     lines.append(
         f"CPU of a period: mean {taken.mean():.2f} ms, 99 % {np.percentile(taken, 99):.2f} ms, "
         f"above {SLOW_MS:g} ms {100.0 * float((taken > SLOW_MS).mean()):.2f} %"
