@@ -17,7 +17,8 @@ FALSE_ALARM_RATE = 1e-6  # of plain parts in which a pixel counts as an edge bec
 MIN_EDGE_GREY_PX = 1.0  # [grey/px] of an edge of 5 grey levels: uneven light changes a picture by less
 MAX_EDGE_GREY_PX = 7.0  # [grey/px] of an edge of 35 grey levels, which is one at any noise
 MAX_EDGE_SHARE = 0.004  # of the part's pixels
-_TILE_PX = 20  # side of the parts in which noise is measured, in pixels of every other row and column
+_STEP_PX = 4  # between pixels at which noise is measured: at nearer ones a smoothed gradient is alike
+_TILE_STEPS = 20  # side of the parts in which noise is measured
 _CALM_SHARE = 0.25  # of these parts that show nothing but noise
 _SIGMAS_PER_MAD = 1.4826  # of a normal distribution
 
@@ -91,10 +92,10 @@ def _noise(gradient: SingleArray) -> float:
     It is measured by the median absolute deviation of each part, at the scale at which edges are found: that
     noise of neighbouring pixels may be alike, as after compression, needs no assumption.
     """
-    rows, columns = (size // 2 // _TILE_PX for size in gradient.shape)
-    side = 2 * _TILE_PX
-    tiles = gradient[: rows * side : 2, : columns * side : 2]
-    tiles = tiles.reshape(rows, _TILE_PX, columns, _TILE_PX).swapaxes(1, 2).reshape(rows * columns, -1)
+    side = _STEP_PX * _TILE_STEPS
+    rows, columns = (size // side for size in gradient.shape)
+    tiles = gradient[: rows * side : _STEP_PX, : columns * side : _STEP_PX]
+    tiles = tiles.reshape(rows, _TILE_STEPS, columns, _TILE_STEPS).swapaxes(1, 2).reshape(rows * columns, -1)
     if not len(tiles):  # a picture smaller than a part
         tiles = gradient.reshape(1, -1)
     spread = np.median(np.abs(tiles - np.median(tiles, axis=1, keepdims=True)), axis=1)
