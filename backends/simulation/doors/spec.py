@@ -36,6 +36,15 @@ class SimulatedDoorSpec(DoorShape):
             raise ValueError("a hinged door needs its radius_m; allowed: 0.1 to 3 m")
         return self
 
+    @model_validator(mode="after")
+    def _starts_within_its_stop(self) -> Self:
+        most = min(self.travel, self.stop)
+        if self.opened > most:
+            unit, scale = ("deg", math.radians(1.0)) if self.is_hinged else ("mm", 1e-3)
+            opened = f"opened_{unit} {self.opened / scale:g}"
+            raise ValueError(f"{opened}; allowed: 0 to {most / scale:g} {unit}, where it meets its stop")
+        return self
+
     @property
     def stop(self) -> float:
         """Largest opening that travel, a jam or a lock allows, in [rad], or in [m] for a drawer."""
