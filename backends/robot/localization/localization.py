@@ -68,6 +68,7 @@ class Localization(ABC):
         """Number of periods in which the wheels were at rest, apart from deflection."""
         self._stood = self.travel  # travel of the wheels when they last turned
         self._ranges, self._seen_at = np.empty(0), self.travel
+        self._noted: Scan | None = None  # of the last period in which the wheels rolled
         self._period, self.stale_s = backend.period, 0.0
         """Time for which the lidar has repeated a scan although the base moved, in [s]."""
         self.crowd = Crowd()
@@ -206,8 +207,7 @@ class Localization(ABC):
             driven: command of the base in that period.
         """
         travel = self._base.wheel_travel()
-        if not all(map(math.isfinite, travel)):
-            travel = self.travel  # the next sound reading has it all
+        travel = travel if all(map(math.isfinite, travel)) else self.travel  # the next sound one has it all
         rolled = WheelTravel(*(now - then for now, then in zip(travel, self.travel, strict=True)))
         self.travel, before = travel, self.pose
         self._predict(*rolled)
@@ -234,9 +234,8 @@ class Localization(ABC):
         if self.still <= STILL_SCANS or self._range_sensor is None:
             return
         points, scan = self._fresh_points(), self._range_sensor.scan()
-        if self.crowd.hides_walls(scan, self.pose, self.map_field, rolled):
-            return
-        if self._wheels.find_again(points):
+        hidden = self.crowd.hides_walls(scan, self.pose, self.map_field, rolled)
+        if not hidden and self._wheels.find_again(points):
             self._displaced()
 
     def found_at(self, pose: Pose2, sigma: tuple[float, float]) -> None:
@@ -271,6 +270,7 @@ class Localization(ABC):
         self.map_field = field
         self._wheels.change_map(field, pose, covariance)
         self._wheels.surface_error, self.still = DRAWN_SURFACE_M, 0
+        self.held_base.reset()
 
     def measure_displacement(self, displacement: Pose2, covariance: FloatArray) -> None:
         """Correct the resting base's pose by a measured motion since `set_origin` (origin_T_base), with
@@ -320,8 +320,9 @@ class Localization(ABC):
         """Note whether the lidar repeats its scan; `rolls`: the wheels rolled in this period."""
         if self._range_sensor is not None and (rolls or self.stale_s > 0.0):
             scan = self._range_sensor.scan()
-            stale = self._is_stale(scan) and len(scan.points()) >= MIN_ECHOES  # empty scans are all alike
-            self.stale_s = self.stale_s + self._period if stale else 0.0
+            repeats = scan is self._noted or len(scan.points()) >= MIN_ECHOES  # new empty scans are alike
+            self.stale_s = self.stale_s + self._period if self._is_stale(scan) and repeats else 0.0
+            self._noted = scan
 
     def _correct(self) -> None:
         """Correct the pose by scans, as long as they add information; repeated ones add none."""
@@ -334,8 +335,7 @@ class Localization(ABC):
             self.look_again()
 
     def _displaced(self) -> None:
-        self.displacements += 1
-        self.still = 0
+        self.displacements, self.still = self.displacements + 1, 0
         self.held_base.reset()
 
     def _fresh_points(self) -> FloatArray:

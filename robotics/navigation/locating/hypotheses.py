@@ -2,7 +2,7 @@
 
 A hypothesis is refuted when the scans are `REFUTED_ODDS` times as likely from the best one. Scans from places
 close to each other see the same things, also those that are on no map, so a scan counts by how far it was
-taken from the ones before.
+taken from the ones before, and by its share of directions in which they did not look.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.scans.start_search import ScanBeams
-from handcart.robotics.numerics.arrays import FloatArray, IntArray
+from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 
 from .beam_evidence import explain, matching_noise
 from .global_search import KEPT_LOG, PLAIN_LOG, refine_poses, same_place, search_map
@@ -26,6 +26,7 @@ REFUTED_LOG = math.log(REFUTED_ODDS)
 MIN_EXPLAINED = 0.7
 """Share of the beams of all scans that the map has to explain from the best hypothesis."""
 NEW_SCAN_M = 1.0  # from all earlier scans, where a scan counts fully
+SAME_BEAM_RAD = math.radians(3.0)  # between beams of two scans that look in one direction
 ODOMETRY_M, ODOMETRY_RATIO, ODOMETRY_RAD = 0.05, 0.03, 0.02  # sigma of a motion, of its length, of its turn
 MAX_ODOMETRY_LOG = 12.0  # that a motion which does not fit costs at most
 MAX_HYPOTHESES = 120
@@ -38,7 +39,9 @@ class Look(NamedTuple):
     pose: Pose2
     """local_T_base, by odometry and matching with what was seen before."""
     weight: float
-    """Weight of the scan, 0 to 1; 1 at `NEW_SCAN_M` or more from all earlier ones."""
+    """Weight of the scan, 0 to 1; 1 at `NEW_SCAN_M` or more from all earlier ones, or where none of them
+    looked.
+    """
 
 
 class Hypotheses:
@@ -67,8 +70,7 @@ class Hypotheses:
             pose: local_T_base at the scan, by odometry and matching with earlier scans; the frame is that of
                 the first scan.
         """
-        away = min((pose.distance(look.pose) for look in self.looks), default=math.inf)
-        look = Look(beams, pose, min(1.0, away / NEW_SCAN_M))
+        look = Look(beams, pose, self._new_share(beams, pose))
         before = self.looks[-1] if self.looks else None
         poses, likely, explained = self.poses, self.log_likelihoods, self.explained
         if before is not None and len(poses):
@@ -114,6 +116,18 @@ class Hypotheses:
         there.
         """
         return self.is_explained and len(self.alive) == 1
+
+    def _new_share(self, beams: ScanBeams, pose: Pose2) -> float:
+        """Return the share of a scan that is new, 0 to 1: 1 in directions in which no earlier scan looked,
+        otherwise less the nearer the earlier scans were taken.
+        """
+        looking = beams.angles[~np.isnan(beams.ranges)]
+        new = np.ones(len(looking))
+        for look in self.looks:
+            angles = look.beams.angles[~np.isnan(look.beams.ranges)] + (look.pose.theta - pose.theta)
+            covered = _near_any(looking, angles)
+            new[covered] = np.minimum(new[covered], pose.distance(look.pose) / NEW_SCAN_M)
+        return float(new.mean()) if len(new) else 0.0
 
     def _needs_search(self, likely: FloatArray) -> bool:
         count = sum(look.weight for look in self.looks)
@@ -163,3 +177,15 @@ class Hypotheses:
             left = left[~same_place(poses[left], poses[left[0]])]
         self.poses, self.log_likelihoods = poses[kept].reshape(-1, 3), likely[kept]
         self.explained = explained[kept]
+
+
+def _near_any(angles: FloatArray, others: FloatArray) -> BoolArray:
+    """Return a mask (n,) of the angles (n,) with another one (m,) at most `SAME_BEAM_RAD` away, in [rad]."""
+    if not len(others):
+        return np.zeros(len(angles), dtype=np.bool_)
+    turns = np.sort(others % (2.0 * math.pi))
+    turns = np.concatenate([turns[-1:] - 2.0 * math.pi, turns, turns[:1] + 2.0 * math.pi])
+    turned = angles % (2.0 * math.pi)
+    after = np.clip(np.searchsorted(turns, turned), 1, len(turns) - 1)
+    away = np.minimum(turned - turns[after - 1], turns[after] - turned)
+    return np.asarray(away <= SAME_BEAM_RAD)

@@ -71,9 +71,9 @@ def test_keyframes_among_unmapped_things_survive_a_checkpoint(is_located: bool) 
     assert np.array_equal(resumed.state()["keyframes"]["_points"], state["keyframes"]["_points"])
 
 
-@pytest.mark.parametrize("finds", [True, False])
-def test_a_held_base_that_is_lost_is_not_once_it_is_located(finds: bool) -> None:
-    """By its pose on the map, or on a local map until it is known."""
+@pytest.mark.parametrize("found_by", ["locate", "follow_map", "forget_pose"])
+def test_a_held_base_that_is_lost_is_not_once_it_is_located(found_by: str) -> None:
+    """By its pose on the map, on a new map, or on a local map until it is known."""
     wheels, lidar = Wheels(), Room()
     found = seeing("odometry", wheels, lidar)
     for _ in range(10):
@@ -87,8 +87,11 @@ def test_a_held_base_that_is_lost_is_not_once_it_is_located(finds: bool) -> None
             break
     assert found.lost is not None
     assert "something held it" in found.lost.why
-    if finds:
+    if found_by == "locate":
         found.locate(lidar.pose, 1e-4 * np.eye(3))
+    elif found_by == "follow_map":
+        assert found.map_field is not None
+        found.follow_map(found.map_field, lidar.pose, 1e-4 * np.eye(3))
     else:
         found.forget_pose()
     assert found.lost is None

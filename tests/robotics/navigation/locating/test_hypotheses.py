@@ -67,6 +67,24 @@ def test_the_same_view_again_is_no_further_evidence() -> None:
     assert abs(hypotheses.margin - once.margin) < 3.0
 
 
+def test_a_turn_counts_by_the_directions_that_it_newly_shows() -> None:
+    """The lidar sees half a turn; a cupboard on one side tells the room from its image."""
+    boxes = [*ROOM, (0.8, 3.0, 0.0, 1.0, 1.5)]
+    hypotheses, begun = Hypotheses(field_of(boxes), 0.01), Pose2(4.5, 3.5, 0.5 * math.pi)
+    weights = []
+    for turn in (0.0, 0.25, 0.5 * math.pi, 0.5 * math.pi, math.pi):
+        assert not hypotheses.is_unique
+        pose = Pose2(begun.x, begun.y, begun.theta + turn)
+        beams = seen(boxes, pose)
+        ahead = np.abs(np.arctan2(np.sin(beams.angles), np.cos(beams.angles))) < 0.5 * math.pi
+        half = beams._replace(angles=beams.angles[ahead], ranges=beams.ranges[ahead])
+        hypotheses.take(half, pose.relative_to(begun))
+        weights.append(hypotheses.looks[-1].weight)
+    assert weights == pytest.approx([1.0, 0.25 / math.pi, 0.5 - 0.25 / math.pi, 0.0, 0.5], abs=0.03)
+    assert hypotheses.is_unique
+    assert Pose2(*hypotheses.poses[0].tolist()).distance(begun) < 0.05
+
+
 @pytest.mark.slow
 def test_a_robot_that_is_not_on_the_map_is_explained_nowhere() -> None:
     elsewhere = [(x, y, 0.4, 0.5, 0.5) for x in np.arange(0.0, 8.0, 1.7) for y in np.arange(0.0, 6.0, 1.9)]
