@@ -9,9 +9,14 @@ from types import SimpleNamespace
 import pytest
 
 from handcart.networks.analysis.outlook import Outlook, outlook
+from handcart.networks.coordination.coordinator import Coordinator
+from handcart.networks.coordination.supervision import Request
+from handcart.networks.journal.journal import JOURNAL_SCHEMA, Journal
 from handcart.networks.past_runs.hindsight import counts_now
 from handcart.networks.past_runs.past_run import read_run
+from handcart.networks.runs.run_header import network_fields
 from handcart.networks.task.task_file import load_task
+from tests.networks.conftest import Stand
 
 HEAD = "format: handcart-task/1\ntitle: t\nrobot: librarian\nstart: a\ngoal: z\n"
 SHARED = f"""\
@@ -75,3 +80,17 @@ def test_outlook_after_a_success_is_the_mean_over_its_results(
     path.write_text(LOOKED, encoding="utf-8")
     task = load_task(path, {}, lambda name: getattr(primitives, name))
     assert outlook(task, "a", {}, 0).succeeded == pytest.approx(0.75 * 1.0 + 0.25 * 0.5)
+
+
+@pytest.mark.parametrize(("request_", "fails"), [(Request.RESTORE, {0: 1}), (Request.PREEMPT, {})])
+def test_an_action_that_was_preempted_does_not_count(
+    new_stand: Callable[[], Stand], tmp_path: Path, request_: Request, fails: dict[int, int]
+) -> None:
+    stand = new_stand()
+    network = stand.driving()
+    header = {"network": network.fingerprint(), "plan_on": network_fields(network)}
+    with Journal(tmp_path / "journal.jsonl") as journal:
+        journal.append("RUN", 0.0, {"schema": JOURNAL_SCHEMA, **header})
+        run = Coordinator(network, stand.robot, stand.model, journal)
+        stand.finish(run, {20: lambda: run.request(request_)})
+    assert counts_now(read_run(tmp_path)) == fails
