@@ -212,6 +212,8 @@ def report(results: list[Trial], speed: float) -> str:
     )
     lines.append(f"nearest to anything: {min(result.nearest_mm for result in results):.1f} mm")
     taken = np.concatenate([result.periods_ms for result in results])
+    if not len(taken):
+        return "\n".join([*lines, "no period was measured: the runs ended before they drove"])
     lines.append(
         f"CPU of a period: mean {taken.mean():.2f} ms, 99 % {np.percentile(taken, 99):.2f} ms, "
         f"above {SLOW_MS:g} ms {100.0 * float((taken > SLOW_MS).mean()):.2f} %"
