@@ -123,7 +123,7 @@ def check_seed(seed: int, option: str = "seed") -> None:
     Raises:
         InputError: it has more than 64 bits; the message begins with `option`.
     """
-    if seed not in SEEDS:
+    if not SEEDS.start <= seed < SEEDS.stop:  # `in` would walk through the range for a subclass of int
         raise InputError(f"{option} {seed}; allowed: {SEEDS.start} to {SEEDS.stop - 1}, integers of 64 bits")
 
 
