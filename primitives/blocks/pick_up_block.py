@@ -108,7 +108,7 @@ class PickUpBlock(ActionPrimitive):
         yield from self.intend("the fingers close on the block")
         self._touched = True
         yield from close(robot)
-        if not robot.gripper.width() > MIN_HELD_WIDTH_M:  # NaN is no width either
+        if robot.gripper.width() <= MIN_HELD_WIDTH_M:
             self._touched = False  # nothing was between the fingers, so nothing was moved
             raise Discrepancy(
                 f"the fingers closed on nothing where {name_of_block(self.number)} should be",

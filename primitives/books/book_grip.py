@@ -78,7 +78,7 @@ def close_on(robot: Robot, book: Book) -> Periods:
     """
     yield from close(robot)
     width = 1e3 * robot.gripper.width()
-    if not width >= MIN_BOOK_WIDTH_MM:  # NaN is no width either
+    if width < MIN_BOOK_WIDTH_MM:
         raise Discrepancy(
             "the fingers closed on nothing",
             measured=Measured("Gripper", "opening", width, MIN_BOOK_WIDTH_MM, "mm"),

@@ -43,7 +43,7 @@ from handcart.primitives.objects.looking.object_look import (
     look_closely,
     sighting,
 )
-from handcart.primitives.objects.looking.spot_look import is_spot_free
+from handcart.primitives.objects.looking.spot_look import HIDDEN, why_not_free
 from handcart.primitives.objects.looking.tag_readings import Located, locate
 from handcart.primitives.objects.site.object_site import (
     base_T_map,
@@ -181,18 +181,19 @@ class PlaceObject(ActionPrimitive):
             reached += 1
             looked += 1
             spot = self.surface, surface, kind, plan.base_T_object
-            if (yield from is_spot_free(robot, model, self.evidence, *spot)):
+            why = yield from why_not_free(robot, model, self.evidence, *spot)
+            if not why:
                 self.found(spots_looked_at=looked)
                 self._goal = (place.x, place.y)
                 return plan
-            why = "something stands there"
             if looked >= MAX_SPOTS:
                 break
         name = f"the spot {self.spot!r} of {self.surface}" if self.spot else f"any spot of {self.surface}"
         seen = Measured("Camera", f"of {looked} spots looked at those that are free", 0, 1)
         if not reached:
             raise Discrepancy(f"{name} can't be used: {why}", measured=seen, cause=causes.OUT_OF_REACH)
-        raise Discrepancy(f"{name} can't be used: {why}", measured=seen, cause=causes.OCCUPIED)
+        cause = causes.NOT_SEEN if why == HIDDEN else causes.OCCUPIED
+        raise Discrepancy(f"{name} can't be used: {why}", measured=seen, cause=cause)
 
     def _plan_at(
         self,

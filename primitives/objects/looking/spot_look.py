@@ -32,10 +32,11 @@ SIGHT_WIDTH_M = 0.01  # of the line of sight to a point of a spot
 VIEW_SPARE = 1.05  # of a view's width over the foot in it
 GRID_POINTS = 9  # along each side of a spot, of which those that are hidden are left out
 MIN_SEEN_SHARE = 0.4  # of these points: where fewer are seen, nothing is known of the spot
+TAKEN, HIDDEN = "something stands there", "walls or known objects hide most of it"
 RIM_M = 0.01  # of a surface along its edge, that isn't judged: the edge would be seen as a thing
 
 
-def is_spot_free(
+def why_not_free(
     robot: Robot,
     model: ModelView,
     evidence: Evidence,
@@ -43,8 +44,10 @@ def is_spot_free(
     surface: ObjectSurface,
     kind: ObjectKind,
     base_T_goal: Transform,
-) -> Generator[None, None, bool]:
-    """Look at a spot past the held object; return whether it looks plain, as the surface does.
+) -> Generator[None, None, str]:
+    """Look at a spot past the held object; return why it isn't known to be free, `TAKEN` or `HIDDEN`.
+
+    The result is empty if the seen part of the spot looks plain, as the surface does.
 
     Args:
         robot: robot with an object in its hand.
@@ -56,7 +59,7 @@ def is_spot_free(
         base_T_goal: (4, 4) pose of the object at the spot.
 
     Raises:
-        Discrepancy: no view of the spot is free, or walls and known objects hide most of it.
+        Discrepancy: no view of the spot is free.
     """
     towards, distances = list(directions((), None, "any")), _showing_all(robot, kind)
     foot, middle = foot_corners(kind, base_T_goal), base_T_goal[:3, 3]
@@ -67,11 +70,11 @@ def is_spot_free(
     photo = robot.photo()
     corners = _seen_part(robot, model, photo.base_T_camera, _on_surface(robot, surface, foot))
     if corners is None:
-        raise Discrepancy(f"walls or objects hide the spot on {name}", cause=causes.NOT_SEEN)
+        return HIDDEN
     share = PictureEdges.of_picture(photo.pixels).share(photo.camera, photo.base_T_camera, corners)
     outline = photo.camera.project(apply(inverse(photo.base_T_camera), corners))
     evidence.pictures["spot"] = draw_overlay(photo.pixels, outlines=[outline])
-    return is_plain(share)
+    return "" if is_plain(share) else TAKEN
 
 
 def foot_corners(kind: ObjectKind, base_T_goal: Transform) -> FloatArray:

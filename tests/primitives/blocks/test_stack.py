@@ -109,6 +109,20 @@ def test_where_no_block_is_the_fingers_close_on_nothing() -> None:
         assert outcome.reason == "the fingers closed on nothing where block 3 should be"
 
 
+def test_a_width_that_is_not_read_is_no_proof_that_nothing_moved(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The block is between the fingers: after the restoring it is looked at."""
+    with at_the_wall() as rig:
+        rig.do(Fixate(landmark="stacking"))
+        gripper = rig.robot.gripper
+        honest, closes = gripper.width, gripper.closed_on_something
+        monkeypatch.setattr(gripper, "width", lambda: math.nan if closes() else honest())
+        primitive = PickUpBlock(number=2, at="robot")
+        outcome = rig.do(primitive)
+        assert not isinstance(outcome, Success)
+        assert primitive._touched
+        assert "closed on nothing" not in outcome.reason
+
+
 @pytest.mark.parametrize(
     "method", ["fix_once", "model", "imu", "fix_again", "fix_again_model", "fix_again_imu"]
 )

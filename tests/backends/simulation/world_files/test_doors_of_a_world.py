@@ -45,4 +45,5 @@ def test_a_door_that_starts_beyond_its_stop_is_refused(tmp_path: Path, keys: str
     ],
 )
 def test_a_door_may_start_at_its_stop(tmp_path: Path, keys: str) -> None:
-    load_world(written(tmp_path, keys))
+    (door,) = load_world(written(tmp_path, keys)).model_dump()["doors"]
+    assert f"{door['opened_deg'] or door['opened_mm']:g}" == keys.split()[-1]
