@@ -232,10 +232,8 @@ class CanBackend(Backend):
                 self._heartbeat.beat()
             if self._pace is not None:
                 self._is_looking_on = True
-                try:
-                    self._pace.wait()
-                finally:
-                    self._is_looking_on = False
+                self._pace.wait()
+                self._is_looking_on = False
             self.axes.sync()
 
     def stop(self) -> None:

@@ -147,25 +147,3 @@ def test_looking_on_shows_how_drives_stop_by_themselves(robot: RobotFile, bench:
         assert {axis.drive_state for axis in backend.axes.values()} == {"SWITCH ON DISABLED"}
         with pytest.raises(Emergency):
             backend.step()
-
-
-def test_looking_on_that_breaks_off_leaves_the_checks_on(
-    robot: RobotFile, bench: Bench, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Otherwise no later wait would notice a drive that reports a fault."""
-    backend: Any
-
-    def interrupted() -> None:
-        raise KeyboardInterrupt
-
-    with CanBackend(robot, None) as backend:
-        backend.enable()
-        with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
-            patch.setattr(backend._pace, "wait", interrupted)
-            backend.watch()
-        for drive in bench.drives.values():
-            drive.pressed = True
-            drive.emcy.send(0x3120, 1)
-        with pytest.raises(Emergency):
-            for _ in range(3):
-                backend.step()
