@@ -192,8 +192,9 @@ class PlaceObject(ActionPrimitive):
         seen = Measured("Camera", f"of {looked} spots looked at those that are free", 0, 1)
         if not reached:
             raise Discrepancy(f"{name} can't be used: {why}", measured=seen, cause=causes.OUT_OF_REACH)
-        cause = causes.NOT_SEEN if why == HIDDEN else causes.OCCUPIED
-        raise Discrepancy(f"{name} can't be used: {why}", measured=seen, cause=cause)
+        if why == HIDDEN:
+            raise Discrepancy(f"{name} can't be used: {why}", measured=seen, cause=causes.NOT_SEEN)
+        raise Discrepancy(f"{name} can't be used: {why}", measured=seen, cause=causes.OCCUPIED)
 
     def _plan_at(
         self,
