@@ -18,8 +18,13 @@ from handcart.robotics.numerics.arrays import FloatArray
 MAX_AIM_ERROR_RAD = 0.15  # between the optical axis and the point
 LIFT_SHARES = (0.9, 0.6, 0.3, 0.05)  # of the range of a joint that slides and moves arm and camera
 ASIDE_TURNS_RAD = (0.4, -0.4, 0.8, -0.8, 1.2, -1.2)
-SHIFTS_M = ((0.0, 0.0, -0.12), (0.0, 0.2, 0.0), (0.0, -0.2, 0.0), (0.0, 0.2, -0.12), (0.0, -0.2, -0.12))
-"""Moves of the hand in the base frame, after which a held object may hide less."""
+SHIFTS_M = (
+    *((0.0, 0.0, -0.12), (0.0, 0.2, 0.0), (0.0, -0.2, 0.0), (0.0, 0.2, -0.12), (0.0, -0.2, -0.12)),
+    *((-0.2, side, up) for up in (0.15, 0.3) for side in (0.4, -0.4)),
+)
+"""Moves of the hand in the base frame, after which a held object may hide less: the far ones bring a bulky
+object beside the robot, so that the camera sees the floor before it.
+"""
 IK_RESTARTS = 2
 VERTICAL_COSINE = 0.99  # of the angle between a joint's axis and the vertical
 SIGHT_WIDTH_M = 0.10  # around the line from the camera to the point
@@ -37,9 +42,10 @@ def aimed_joints(
 
     The camera is on a head or mast, not on the hand. The arm keeps its posture if it does not hide the point.
     Otherwise the arm takes the first of these postures that neither collides nor hides the point: `home`
-    (only with an empty hand), the arm swung aside about a vertical joint, the hand moved down or aside. All
-    but `home` keep a held object upright. If a lift carries the camera, the free height whose view is nearest
-    to the first wanted direction is taken. The result is None if all postures collide or hide the point.
+    (only with an empty hand), the arm swung aside about a vertical joint, the hand moved down, aside or back.
+    All but `home` keep a held object upright. If a lift carries the camera, the free height whose view is
+    nearest to the first wanted direction is taken. The result is None if all postures collide or hide the
+    point.
 
     Args:
         robot: robot with a camera behind joints of the section `arm`.
@@ -101,8 +107,8 @@ def _asides(arm: ArmModel, here: FloatArray) -> Iterator[FloatArray]:
 
 
 def _shifted(arm: ArmModel, here: FloatArray) -> Iterator[FloatArray]:
-    """Yield postures (n,), in [rad] or [m], whose hand is moved down or aside from its pose in `here`,
-    without a turn.
+    """Yield postures (n,), in [rad] or [m], whose hand is moved from its pose in `here` without a
+    turn: down, aside, back.
     """
     base_T_hand = arm.forward(here)
     for shift in SHIFTS_M:

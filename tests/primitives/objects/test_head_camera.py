@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from handcart.backends.capabilities.missing_capability import MissingCapability
+from handcart.backends.description.sensor_specs import CameraSpec
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.loading.robot_loading import load_robot
+from handcart.backends.robot.mounted_camera import known_camera, mount_of
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.trials.rig import Rig
 from handcart.files.errors import FileError
@@ -105,3 +110,23 @@ def test_primitives_that_need_the_hand_camera_refuse_a_head(rig: Rig) -> None:
     with pytest.raises(FileError, match="needs what the robot doesn't have: Camera"):
         task.check_capabilities(rig.backend)
     load_task(TASK / "task.yaml").check_capabilities(rig.backend)
+
+
+def test_floor_before_the_robot_is_seen_past_a_bulky_object() -> None:
+    """A packet in Fetch's hand, in the posture in which it is carried, hides the floor from the head."""
+    spec = load_robot("fetch")
+    carried = np.array([0.353, -0.025, 1.018, 0.189, 0.744, -3.07, -2.188, 0.054, 1.363, -1.441])
+    camera = next(iter(spec.all_of(CameraSpec).values()))
+    robot = SimpleNamespace(
+        spec=spec,
+        view_camera=known_camera(camera, mount_of(spec, camera, spec.arm_model())),
+        arm=SimpleNamespace(command=lambda: carried),
+        arm_model=spec.arm_model(),
+    )
+    held = transform((0.21, 0.0, 0.0))
+    held[:3, :3] = [[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]
+    packet = Box(held @ transform((0.0, 0.0, 0.055)), (0.06, 0.16, 0.11), "packet")
+    loaded = CollisionModel(robot.arm_model, held=packet)
+    assert not loaded.in_collision(carried)
+    for point in ((0.66, 0.10, 0.0), (0.55, 0.18, 0.0), (0.6, -0.15, 0.0)):
+        assert aimed_joints(robot, loaded, np.array(point), []) is not None  # type: ignore[arg-type]
