@@ -280,25 +280,47 @@ class PlaceObject(ActionPrimitive):
         if exceeds(off, MAX_OFF_M):
             apart = Measured("Camera", "object off its goal", 1e3 * off, 1e3 * MAX_OFF_M, "mm")
             raise Discrepancy(f"{name} is next to its goal", measured=apart, cause=causes.MISPLACED)
-        self._check_others(robot, model, look)
         self._stands = found
         seen = sighting(robot, model, name, self.surface, found)
         objects.sightings = (*objects.without(name), seen)
+        yield from self._check_others(robot, model, look)
 
-    def _check_others(self, robot: Robot, model: ModelView, look: ObjectLook) -> None:
+    def _check_others(self, robot: Robot, model: ModelView, look: ObjectLook) -> Periods:
+        """Compare other objects that were seen too with where they were; one that seems to have moved is
+        looked at from nearby before a person is asked.
+
+        Raises:
+            NeedsPerson: one of them was moved or has fallen over.
+        """
         surface = surface_of(model, self.surface)
         for other in self._known:
-            reads = look.of(other.object)
-            if other.surface != self.surface or not reads:
+            if other.surface != self.surface or not look.of(other.object):
                 continue
-            found = locate(reads, kind_of(model, other.object), surface)
-            expected = base_T_map(robot) @ other.pose.lift(surface.height_m)
-            if not isinstance(found, Located):
-                raise NeedsPerson(f"{other.object} is not in its earlier pose", cause=causes.MISPLACED)
-            off = float(np.linalg.norm(found.base_T_object[:2, 3] - expected[:2, 3]))
-            if exceeds(off, MAX_MOVED_M):
-                moved = Measured("Camera", "another object off its place", 1e3 * off, 1e3 * MAX_MOVED_M, "mm")
-                raise NeedsPerson(f"{other.object} was moved", moved, cause=causes.MISPLACED)
+            if self._moved(robot, model, other, look) is None:
+                continue
+            expected, near = base_T_map(robot) @ other.pose.lift(surface.height_m), ObjectLook()
+            try:
+                yield from look_closely(robot, model, other.object, expected, near, self.evidence)
+            except Discrepancy:
+                near = look
+            moved = self._moved(robot, model, other, near)
+            if moved is not None:
+                raise moved
+
+    def _moved(
+        self, robot: Robot, model: ModelView, other: ObjectSighting, look: ObjectLook
+    ) -> NeedsPerson | None:
+        """Return the error if another object isn't seen where it was; None if it is."""
+        surface, reads = surface_of(model, self.surface), look.of(other.object)
+        found = locate(reads, kind_of(model, other.object), surface) if reads else None
+        if not isinstance(found, Located):
+            return NeedsPerson(f"{other.object} is not in its earlier pose", cause=causes.MISPLACED)
+        expected = base_T_map(robot) @ other.pose.lift(surface.height_m)
+        off = float(np.linalg.norm(found.base_T_object[:2, 3] - expected[:2, 3]))
+        if not exceeds(off, MAX_MOVED_M):
+            return None
+        moved = Measured("Camera", "another object off its place", 1e3 * off, 1e3 * MAX_MOVED_M, "mm")
+        return NeedsPerson(f"{other.object} was moved", moved, cause=causes.MISPLACED)
 
 
 def _raised(base_T_hand: Transform, by: float) -> Transform:

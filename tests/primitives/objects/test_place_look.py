@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +12,19 @@ import yaml
 from benchmarks.objects.handing import rig_holding, scene_of
 from handcart.backends.simulation.world.thing import Rest
 from handcart.evaluation.trials.rig import Rig
+from handcart.primitives.objects import place_object
+from handcart.primitives.objects.knowledge.objects import Objects, ObjectSighting
+from handcart.primitives.objects.looking import tag_readings
+from handcart.primitives.objects.looking.tag_readings import NotUpright, ReadTag
 from handcart.primitives.objects.place_object import PlaceObject
-from handcart.primitives.outcomes.outcome import Fail, Success
+from handcart.primitives.outcomes.outcome import Fail, GiveUp, Success
+from handcart.robotics.geometry.pose2 import Pose2
+from tests.primitives.changed_scene import do_when
 
 from .fetching import TASK, changed
 
 TABLE_GREY = 110
+SEEN_COVARIANCE = ((1e-6, 0.0, 0.0), (0.0, 1e-6, 0.0), (0.0, 0.0, 1e-6))
 
 
 def before_table_b(folder: Path, objects: Path = TASK / "objects.yaml", **thing: Any) -> Rig:
@@ -49,4 +57,43 @@ def test_edge_of_the_table_beside_a_spot_is_no_thing(tmp_path: Path) -> None:
     objects = changed(tmp_path, "objects.yaml", (spot, "right: {x_m: 4.955, y_m: 1.8, heading_deg: 45}"))
     with before_table_b(tmp_path, objects) as rig:
         outcome = rig.do(PlaceObject(surface="table_b", spot="right"))
+        assert isinstance(outcome, Success), outcome
+
+
+def knowing_the_other(folder: Path) -> Rig:
+    """Return a robot before table B that saw the other parcel there, beside the spot `right`."""
+    stands = ("name: parcel_2, x_m: 2.3, y_m: 3.7", "name: parcel_2, x_m: 5.05, y_m: 1.65")
+    pose = ("x_m: 1.0, y_m: 1.0, heading_deg: 0.0", "x_m: 4.3, y_m: 2.0, heading_deg: 0.0")
+    world, places = changed(folder, "world.yaml", pose, stands), changed(folder, "places.yaml", pose)
+    rig = rig_holding(world, "fetch", seed=3, places=places)
+    seen = ObjectSighting("parcel_2", "table_b", Pose2(5.05, 1.65, math.radians(70.0)), SEEN_COVARIANCE)
+    rig.model.of(Objects).sightings = (seen,)
+    return rig
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("by_m", [0.0, 0.04])
+def test_object_that_seems_moved_is_looked_at_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, by_m: float
+) -> None:
+    """From a camera on a head, a small tag may be read as one that is tilted."""
+    rig, honest, first = knowing_the_other(tmp_path), tag_readings.locate, list[Any]()
+    parcel_2 = scene_of(rig).thing_named("object parcel_2")
+    assert parcel_2 is not None
+
+    def read(reads: list[ReadTag], *of: Any) -> Any:
+        first.append(reads[0].view)
+        return NotUpright("it is tilted") if reads[0].view is first[0] else honest(reads, *of)
+
+    monkeypatch.setattr(place_object, "locate", read)
+
+    def move(scene: Any) -> None:
+        parcel_2.pose[1, 3] -= by_m
+
+    outcome = do_when(rig, PlaceObject(surface="table_b", spot="right"), lambda it: it.held is None, move)
+    assert len(first) == 2
+    if by_m:
+        assert isinstance(outcome, GiveUp), outcome
+        assert (outcome.cause.name, outcome.reason) == ("misplaced", "parcel_2 was moved")
+    else:
         assert isinstance(outcome, Success), outcome
