@@ -158,7 +158,8 @@ def _built(
     assert made is not None
     assert spec is not None
     assert known is not None
-    model, warnings = known[0], (*spec.warnings, *known[1], *made.remarks)
+    model = known[0]
+    warnings = (*spec.warnings, *known[1], *_section_warnings(model), *made.remarks)
     try:
         task.check_capabilities(made, model)
         robot = make_robot(task, made, spec, model)
@@ -313,6 +314,10 @@ def check(
     return _checked(read)
 
 
+def _section_warnings(model: WorldModel) -> Iterator[str]:
+    return (str(finding) for section in model.sections.values() for finding in section.warnings())
+
+
 def _checked(read: _Read) -> Checked:
     robot = read.spec.warnings if read.spec else ()
     poses = (
@@ -320,7 +325,7 @@ def _checked(read: _Read) -> Checked:
         if read.spec and read.known
         else ()
     )
-    known = read.known[1] if read.known else ()
+    known = (*read.known[1], *_section_warnings(read.known[0])) if read.known else ()
     warnings = (*robot, *known, *map(str, read.rooms.warnings), *map(str, poses))
     places = read.known[0].places if read.known else {}
     given = read.task.knowledge.all_places()

@@ -150,6 +150,10 @@ class Section:
         """
         return iter(())
 
+    def warnings(self) -> Iterable[Finding]:
+        """Return findings after `fit` that a user should know before a run, and that do not forbid it."""
+        return ()
+
     def places(self) -> Mapping[str, Place]:
         """Return the places that the domain's files add to those of the map, by name.
 

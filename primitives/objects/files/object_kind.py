@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -10,8 +11,10 @@ from pydantic import Field, model_validator
 from handcart.backends.description.printed_tag import Face, PrintedTag
 from handcart.files.models.model import FileModel
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import transform
+from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.shapes import Box, Cylinder, Solid
+from handcart.robotics.manipulation.grasping.box_grasps import Grasp, box_grasps
+from handcart.robotics.manipulation.grasping.cylinder_grasps import cylinder_grasps
 
 Positive = Annotated[float, Field(gt=0.0)]
 Millimetres = Annotated[float, Field(gt=0.0, le=2000.0)]
@@ -72,6 +75,21 @@ class ObjectKind(FileModel):
             return max(0.0, math.hypot(point.x, point.y) - self.size[0] / 2)
         beyond = (max(0.0, abs(point.x) - self.size[0] / 2), max(0.0, abs(point.y) - self.size[1] / 2))
         return math.hypot(*beyond)
+
+    def grasps_within(self, opening: float, tip: float, base_T_object: Transform) -> Iterator[Grasp]:
+        """Yield the grasps that this kind allows, the best ones first.
+
+        Args:
+            opening: largest opening of the fingers, in [m].
+            tip: distance from the frame `hand` to the finger tips, in [m].
+            base_T_object: (4, 4) pose of the object; round objects are gripped from the base's side first.
+        """
+        faces = None if self.grasps == "any" else self.grasps
+        if not self.is_round:
+            return box_grasps(self.size, opening, tip, faces)
+        x, y, _ = inverse(base_T_object)[:3, 3].tolist()
+        above, around = (faces is None or "+z" in faces), (faces is None or set(faces) != {"+z"})
+        return cylinder_grasps(self.size[0], self.size[2], opening, tip, math.atan2(y, x), above, around)
 
     def body(self, name: str) -> Solid:
         """Return the shape of an object of this kind, posed in the object's frame and named `name`."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,8 +14,7 @@ from handcart.primitives.objects.files.object_kind import ObjectKind
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Solid
-from handcart.robotics.manipulation.grasping.box_grasps import Grasp, box_grasps
-from handcart.robotics.manipulation.grasping.cylinder_grasps import cylinder_grasps
+from handcart.robotics.manipulation.grasping.box_grasps import Grasp
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 from handcart.robotics.manipulation.motions.motion_planner import plan_straight
 from handcart.robotics.numerics.arrays import FloatArray
@@ -78,7 +77,7 @@ def plan_grasps(
     here = robot.arm.command()
     found: list[tuple[float, FloatArray, Grasp]] = []
     tried = reached = 0
-    for grasp in _grasps(kind, opening, robot.spec.finger_shape.tip, base_T_object):
+    for grasp in kind.grasps_within(opening, robot.spec.finger_shape.tip, base_T_object):
         tried += 1
         arm = _with_opening(robot, min(opening, grasp.width + OPENING_CLEARANCE_M))
         grip = base_T_object @ grasp.box_T_hand
@@ -99,16 +98,6 @@ def plan_grasps(
             planned.append(one)
     planned.sort(key=lambda item: -_rank(item))
     return GraspChoice(tuple(planned), reached, tried)
-
-
-def _grasps(kind: ObjectKind, opening: float, tip: float, base_T_object: Transform) -> Iterator[Grasp]:
-    """Yield the grasps that a kind allows to fingers with an opening and a length `tip`, both in [m]."""
-    faces = None if kind.grasps == "any" else kind.grasps
-    if not kind.is_round:
-        return box_grasps(kind.size, opening, tip, faces)
-    x, y, _ = inverse(base_T_object)[:3, 3].tolist()
-    above, around = (faces is None or "+z" in faces), (faces is None or set(faces) != {"+z"})
-    return cylinder_grasps(kind.size[0], kind.size[2], opening, tip, math.atan2(y, x), above, around)
 
 
 def _rank(planned: PlannedGrasp) -> float:

@@ -27,6 +27,7 @@ from handcart.robotics.navigation.maps.movable_areas import MovableArea
 from handcart.robotics.navigation.maps.moved_things import MovedThing
 from handcart.robotics.numerics.arrays import FloatArray
 
+from .grasp_reach import missed_words
 from .surface_places import NoStandingPlace, followed_place, has_moved, standing_place
 from .surface_scan import is_in_scan, scan_surface
 
@@ -97,6 +98,8 @@ class Objects(Section):
     """Detectors of other packages, by name."""
     stands: Mapping[str, Place] = field(default_factory=dict, repr=False, compare=False)
     """Computed places of the base, by surface."""
+    remarks: Mapping[str, str] = field(default_factory=dict, repr=False, compare=False)
+    """Warnings before a run, by the object that they are about."""
 
     @override
     @classmethod
@@ -126,6 +129,8 @@ class Objects(Section):
         if self.listed is None:
             return
         found: dict[str, Place] = {}
+        by_hand = {name: surface.place for name, surface in self.objects.surfaces.items() if surface.place}
+        given = {name: places[place] for name, place in by_hand.items() if place in places}
         for name, surface in self.objects.surfaces.items():
             if surface.place is not None:
                 if surface.place not in places:
@@ -137,6 +142,14 @@ class Objects(Section):
                 except NoStandingPlace as reason:
                     yield self.listed.finding(("surfaces", name), str(reason), at_key=True)
         self.stands = found
+        if robot.arm is not None and robot.gripper is not None:
+            self.remarks = dict(missed_words(robot, self.objects, {**given, **found}))
+
+    @override
+    def warnings(self) -> Iterator[Finding]:
+        if self.listed is not None:
+            for name, words in self.remarks.items():
+                yield self.listed.finding(("objects", name), words, at_key=True)
 
     @override
     def places(self) -> Mapping[str, Place]:

@@ -27,6 +27,7 @@ from handcart.robotics.navigation.routes.ways import ROOM_AT_GOAL
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .aimed_view import aimed_views
+from .grasp_reach import grasp_work, missed_headings
 
 EDGE_GAPS_M = (0.04, 0.10)  # between the base's outline and the edge of the surface
 BEFORE_WALL_M = WALL_M + 0.02  # further away from a side with a wall
@@ -58,9 +59,9 @@ def standing_place(
 ) -> Place:
     """Return the place of the base from which the arm reaches, and the camera sees, all work on a surface.
 
-    At the place the base faces one side of the surface. Places near the work are tried first. Some places
-    from which everything is reached are compared: the best one lets the hand reach down to the objects in the
-    most headings, because an object may have any heading.
+    At the place the base faces one side of the surface. Places near the work are tried first. From the place,
+    each object can be gripped in some heading that it may have. Some such places are compared: the best one
+    lets the objects be gripped in the most headings, and then lets the hand reach down in the most headings.
 
     Args:
         robot: robot with an arm.
@@ -81,18 +82,19 @@ def standing_place(
             f"the base has no room beside the surface {name!r}: needed: {radius:.2f} m of free floor around"
             " its middle, reached from a place"
         )
-    missing = len(work) + 1
-    tall = _tip_heights(file, name)
+    missing, tall, gripped = len(work) + 1, _tip_heights(file, name), grasp_work(file, name)
     for tips in (np.full(len(tall), HIGHEST_TIP_M), tall):
-        fit: list[tuple[int, Pose2]] = []
+        fit: list[tuple[tuple[int, int], Pose2]] = []
         for base in free[:MAX_CANDIDATES]:
             points = work if len(work) else _ahead(base, robot, surface)
             spots = np.column_stack([points, surface.height_m + tips[: len(points)]])
             unreached = sum(not _reaches(robot, arm, surface, base, spot) for spot in spots)
-            missing = min(missing, unreached)
-            if unreached == 0:
-                fit.append((sum(_headings_missed(robot, arm, surface, base, spot) for spot in spots), base))
-                if fit[-1][0] == 0 or len(fit) >= MAX_COMPARED:
+            missed = missed_headings(robot, arm, surface, base, gripped) if unreached == 0 else 0
+            missing = min(missing, unreached + (missed is None))
+            if unreached == 0 and missed is not None:
+                straight = sum(_headings_missed(robot, arm, surface, base, spot) for spot in spots)
+                fit.append(((missed, straight), base))
+                if fit[-1][0] == (0, 0) or len(fit) >= MAX_COMPARED:
                     break
         if fit:
             best = min(fit, key=lambda pair: pair[0])[1]
