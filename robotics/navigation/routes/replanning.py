@@ -19,6 +19,7 @@ from handcart.robotics.numerics.stepwise import finish
 
 from .shortcuts import path_length
 from .swept_route import swept_room
+from .voronoi_graph import STEP_CELLS
 from .ways import Ways, narrowest_room
 
 ROOMS_M = (0.06, 0.02, -0.015)  # beside the footprint that routes keep, in the order in which they are tried
@@ -28,7 +29,6 @@ MAX_ROOMY_LENGTH_RATIO = 1.2  # of the usual length, up to which the first way w
 ROOMY_DETOUR_RATIO = 0.8  # of the length of a roomy way, below which a narrower one is taken instead
 OFF_ROUTE_M = 0.3  # from the old route, beyond which it is not the robot's any more
 MARGIN_CELLS = 2  # beyond the distance that matters, so that the edge of a window is not an obstacle
-STEP_CELLS = 60_000  # of a map, above which its distances are a step of their own
 USUAL_SPEED_M_S = 0.6  # of robots whose corners have the usual length
 
 
@@ -113,7 +113,7 @@ class Replanner:
     ) -> Generator[None, None, RouteLook]:
         """Decide whether to keep the old route to a goal or to take a new one, as a generator.
 
-        A step of the generator takes about as long as building a Voronoi graph.
+        A step of the generator takes at most about as long as thinning the free space of the map.
 
         Args:
             grid: the map with the sensed obstacles.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -19,6 +20,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.skeleton_trace import SkeletonTrace, link, prune_leaves, trace
 from handcart.robotics.navigation.routes.thinning import thin
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray, SingleArray
+from handcart.robotics.numerics.stepwise import finish
 
 # of room in the price of a way: buys the clearance that 1.15 of the shortest length can
 CLEARANCE_EXPONENT = 0.75
@@ -26,6 +28,7 @@ DISTANCE_TOLERANCE = 1e-6  # of the radius, by which 32-bit distances may be off
 BLOCKED_PRICE = 1e9  # price of what can't be passed: more than any way on a map costs
 # a leaf this near to the grown obstacles, in [cells], touches them: rounding of two distances
 TOUCH_DISTANCE_CELLS = 2.0
+STEP_CELLS = 60_000  # of a map, above which each part of a plan is a computing step of its own
 
 
 class EdgeTable:
@@ -143,6 +146,27 @@ def voronoi_graph(
     Raises:
         ValueError: no cell is left free for a robot of this radius.
     """
+    return finish(graphing(grid, radius, seed_point, squares))
+
+
+def graphing(
+    grid: GridMap,
+    radius: float,
+    seed_point: tuple[float, float] | None = None,
+    squares: BlockedSquares | None = None,
+) -> Generator[None, None, VoronoiGraph]:
+    """Return the Voronoi graph of a map like `voronoi_graph`; a generator that yields once on a map of more
+    than `STEP_CELLS`, between thinning the free space and tracing its lines.
+
+    Args:
+        grid: map, as for `voronoi_graph`.
+        radius: robot's radius, in [m].
+        seed_point: (x, y) in [m] in or near the connected free area; None: the largest area.
+        squares: blocked squares of the map, if they are known already.
+
+    Raises:
+        ValueError: no cell is left free for a robot of this radius.
+    """
     squares = blocked_squares(grid.blocked) if squares is None else squares
     distance = squares.distance
     need = max(radius / grid.resolution * (1.0 - 2.0 * DISTANCE_TOLERANCE), TOUCHING_CELLS)
@@ -151,7 +175,10 @@ def voronoi_graph(
         grid,
         seed_point,
     )
-    cells, links = link(thin(free, distance))
+    lines = thin(free, distance)
+    if grid.occupied.size > STEP_CELLS:
+        yield
+    cells, links = link(lines)
     width = free.shape[1]
     cells = prune_leaves(cells, links, width, distance.ravel() <= need + TOUCH_DISTANCE_CELLS)
     clearance = np.ascontiguousarray(distance[1:-1, 1:-1]) * np.float32(grid.resolution)

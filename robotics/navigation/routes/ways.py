@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator
+from contextlib import suppress
 from functools import cached_property
 from typing import Literal, NamedTuple
 
@@ -17,7 +18,12 @@ from handcart.robotics.navigation.maps.clearances import Clearances
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.polygon_route import RouteSettings, polygon_routing
 from handcart.robotics.navigation.routes.route import Route, plan_route
-from handcart.robotics.navigation.routes.voronoi_graph import DISTANCE_TOLERANCE, VoronoiGraph, voronoi_graph
+from handcart.robotics.navigation.routes.voronoi_graph import (
+    DISTANCE_TOLERANCE,
+    STEP_CELLS,
+    VoronoiGraph,
+    graphing,
+)
 from handcart.robotics.navigation.routes.widest_way import narrowest_spot
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 from handcart.robotics.numerics.stepwise import finish
@@ -132,6 +138,8 @@ class Ways:
         self._room, self._rounding = usual if room is None else room, rounding
         self._grown = grid.with_points(sensed, SENSED_ROOM)
         self._squares = None if len(sensed) else squares
+        self._built: VoronoiGraph | None = None
+        self._is_built = False
 
     def to(self, goal: Pose2 | tuple[float, float], front: FloatArray | None = None) -> Way:
         """Return the clearance at a goal and the route to it, or the reason why there is no route.
@@ -166,13 +174,16 @@ class Ways:
         """Return the route to a goal, None if no route exists; a generator that yields after each computing
         step.
 
-        A step takes about as long as building a Voronoi graph.
+        A step takes at most about as long as thinning the free space of the map.
         """
         there = (goal[0], goal[1])
         if not self._shape.is_disc:
             route = yield from self._routing_of_polygon(there)
         else:
-            route = None if self._graph is None else self._planned(there)
+            graph = yield from self._graphing()
+            if graph is not None and self._grid.occupied.size > STEP_CELLS:
+                yield
+            route = None if graph is None else self._planned(there)
         if route is None or route.clearance[-1] < self._needed - 1e-9:
             return None
         return route if self._tight_spot(route, None) is None else None
@@ -316,13 +327,18 @@ class Ways:
     def _clearances(self) -> Clearances:
         return Clearances(self._grid, self._grid.blocked, walled=True)
 
-    @cached_property
+    @property
     def _graph(self) -> VoronoiGraph | None:
-        try:
+        return finish(self._graphing())
+
+    def _graphing(self) -> Generator[None, None, VoronoiGraph | None]:
+        """Return the graph of the ways, None if the robot fits nowhere; the first call builds it in steps."""
+        if not self._is_built:
             room = self._radius + self._room + self._unsure
-            return voronoi_graph(self._grown, room, self._start, self._squares)
-        except ValueError:
-            return None
+            with suppress(ValueError):
+                self._built = yield from graphing(self._grown, room, self._start, self._squares)
+            self._is_built = True
+        return self._built
 
     @cached_property
     def _labels(self) -> IntArray:

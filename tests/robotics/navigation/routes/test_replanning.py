@@ -17,12 +17,12 @@ START, GOAL = Pose2(1.0, 2.0, 0.0), Pose2(7.0, 2.0, 0.0)
 RADIUS = 0.3
 
 
-def room(*boxes: FloorBox) -> GridMap:
+def room(*boxes: FloorBox, cell: float = 0.05) -> GridMap:
     """8 x 4 m with walls and boxes."""
     walls = [FloorBox(4.0, y, 0.0, 8.0, 0.1) for y in (0.0, 4.0)] + [
         FloorBox(x, 2.0, 0.0, 0.1, 4.0) for x in (0.0, 8.0)
     ]
-    return from_boxes([*walls, *boxes], 0.05, (-0.2, -0.2), (8.4, 4.4))
+    return from_boxes([*walls, *boxes], cell, (-0.2, -0.2), (8.4, 4.4))
 
 
 @pytest.fixture
@@ -112,6 +112,22 @@ def test_steps_of_a_look_give_what_the_look_gives() -> None:
     assert count > 0
     assert found.kind == whole.kind == "new"
     assert np.array_equal(found.points, whole.points)
+
+
+def test_plan_on_a_large_map_takes_a_step_for_each_of_its_parts() -> None:
+    """A period computes distances, thins, traces the lines or searches; a small map takes one period."""
+    for cell, parts in ((0.05, 1), (0.02, 4)):
+        grid = room(FloorBox(4.0, 2.0, 0.0, 0.6, 0.6), cell=cell)
+        looking, steps = Replanner(RADIUS).looking(grid, START, GOAL), 1
+        while True:
+            try:
+                next(looking)
+                steps += 1
+            except StopIteration as end:
+                found = end.value
+                break
+        assert steps == parts
+        assert np.array_equal(found.points, Replanner(RADIUS).look(grid, START, GOAL).points)
 
 
 @pytest.mark.parametrize("seed", range(6))
