@@ -28,7 +28,7 @@ from .map_survey import MapSurvey
 from .sensor_sigmas import BASE_SIGMA_DEG, BASE_SIGMA_MM
 from .survey import Claim, Survey, SurveyedRun
 from .survey_notes import as_noted
-from .true_changes import disturbed, not_restored
+from .true_changes import MOST_TURNED_DEG, disturbed, not_restored, turned
 
 GENERAL_SURVEYS = (PathSurvey, ContactSurvey, LocalisationSurvey, ArrivalSurvey, MapSurvey)
 MOST_DISTURBED_MM = 10.0  # largest allowed motion of a body that a primitive does not move
@@ -152,6 +152,7 @@ class Surveys:
             f"it moved {text} mm (at most {MOST_DISTURBED_MM:.0f})"
             for text in disturbed(claim.before, claim.after, MOST_DISTURBED_MM, own)
         ]
+        wrong += [f"it turned {text}" for text in turned(claim.before, claim.after, MOST_TURNED_DEG, own)]
         wrong += false_hold(claim, self.run.model)
         own_word = getattr(claim.primitive, "false_effect", None)
         if own_word is not None:

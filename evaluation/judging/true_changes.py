@@ -10,7 +10,7 @@ import numpy as np
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.ground_truth import Body, GroundTruth
 from handcart.primitives.outcomes.residual import Residual, ResidualKind, Residuals
-from handcart.robotics.geometry.transform import distance
+from handcart.robotics.geometry.transform import Transform, distance
 
 from .sensor_sigmas import (
     BASE_SIGMA_DEG,
@@ -32,6 +32,11 @@ STILL_LIMITS = {
     ResidualKind.OBJECT: 1.0,
 }
 """Largest change in two seconds of a scene at rest, in [mm] or [deg]."""
+STILL_TURN_DEG = 0.5  # of a body in two seconds of a scene at rest
+MOST_TURNED_DEG = 5.0  # of a body that was restored or is none of an action's business
+"""Fixed: the end of a body 0.35 m long moves as far by it as `OBJECT` allows. Honest restoring turns less
+than 0.5 deg.
+"""
 
 
 def moved(
@@ -96,7 +101,7 @@ def not_restored(
         ResidualKind.GRIPPER: tolerance.gripper_mm + LIMIT_SIGMAS * GRIPPER_SIGMA_MM,
         ResidualKind.OBJECT: tolerance.object_mm + LIMIT_SIGMAS * OBJECT_SIGMA_MM,
     }
-    return _messages(moved(before, after, allowed))
+    return _messages(moved(before, after, allowed)) + turned(before, after, MOST_TURNED_DEG)
 
 
 def _base_limit(tolerance: float, sigma: float, of_scans: float) -> float:
@@ -116,7 +121,7 @@ def not_still(before: GroundTruth, after: GroundTruth) -> list[str]:
     """Return a message for each part of the robot, and each other body, that moved although all should be at
     rest.
     """
-    return _messages(moved(before, after))
+    return _messages(moved(before, after)) + turned(before, after, STILL_TURN_DEG)
 
 
 def disturbed(before: GroundTruth, after: GroundTruth, most_mm: float, without: Collection[str]) -> list[str]:
@@ -131,6 +136,41 @@ def disturbed(before: GroundTruth, after: GroundTruth, most_mm: float, without: 
     ways = {name: _way_mm(body, after.bodies.get(name)) for name, body in before.bodies.items()}
     others = sorted(name for name in ways if name not in without)
     return [f"{name} mm {ways[name]:.1f}" for name in others if not ways[name] <= most_mm]
+
+
+def turned(
+    before: GroundTruth, after: GroundTruth, most_deg: float, without: Collection[str] = ()
+) -> list[str]:
+    """Return a message for each body that turned about any axis by more than a limit, on the same support.
+
+    Args:
+        before: ground truth at the first instant.
+        after: ground truth at the second instant.
+        most_deg: largest turn that is allowed, in [deg].
+        without: names of bodies that may turn.
+    """
+    both = {
+        name: (body, after.bodies[name])
+        for name, body in sorted(before.bodies.items())
+        if name in after.bodies and name not in without
+    }
+    turns = {
+        name: _turn_deg(body.pose, now.pose)
+        for name, (body, now) in both.items()
+        if now.support == body.support
+    }
+    return [
+        f"{name} deg {turn:.2f} (at most {most_deg:.2f})"
+        for name, turn in turns.items()
+        if not turn <= most_deg
+    ]
+
+
+def _turn_deg(one: Transform, other: Transform) -> float:
+    """Return the angle between two orientations, in [deg]; NaN if one is unknown."""
+    # The Frobenius norm of the difference is 2 sqrt(2) sin(angle / 2).
+    share = float(np.linalg.norm(one[:3, :3] - other[:3, :3])) / math.sqrt(8.0)
+    return math.degrees(2.0 * math.asin(min(1.0, share))) if share == share else math.nan
 
 
 def _messages(changes: Residuals) -> list[str]:

@@ -22,10 +22,12 @@ from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.outcomes.outcome import Outcome, Success, fail_if_restored
 from handcart.primitives.outcomes.residual import read_residuals
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.geometry.transform import transform
 from handcart.robotics.perception.books.call_number import parse
 from tests.tools.conftest import LIBRARY, TOUR
 
 DRIVE_MAP = LIBRARY.parent / "drive_map" / "task.yaml"
+FETCH = LIBRARY.parent / "fetch_and_carry" / "task.yaml"
 
 
 def test_a_fail_that_did_not_restore_is_found(build_rig: Callable[..., Any]) -> None:
@@ -129,6 +131,37 @@ def test_a_fail_is_held_against_how_it_began(claims: Claims) -> None:
     claims.scene.move_base(claims.scene.base.compose(Pose2(0.0, 0.1, 0.0)))
     (wrong,) = claims.end(measured)
     assert wrong.startswith("1. MOVE_TO Fail: base mm 100.00 (at most ")
+
+
+@pytest.mark.parametrize(
+    ("rpy_deg", "turn_deg"),
+    [
+        ((0.0, 0.0, 0.0), None),
+        ((0.0, 0.0, 4.0), None),
+        ((0.0, 0.0, 20.0), "20.00"),
+        ((90.0, 0.0, 0.0), "90.00"),
+        ((0.0, 180.0, 0.0), "180.00"),
+    ],
+)
+def test_a_body_turned_or_tipped_where_it_is_is_found(
+    rpy_deg: tuple[float, float, float], turn_deg: str | None
+) -> None:
+    """Neither a Fail nor the Success of a drive may leave it so, although its middle has not moved."""
+    with prepare(FETCH) as prepared:
+        claims = Claims(prepared)
+        thing = claims.scene.thing_named("object parcel_1")
+        failed = fail_if_restored("blocked", False, read_residuals({}, {}))
+        for outcome, begins in ((failed, ""), (Success(), "it turned ")):
+            claims.start()
+            claims.judge.untrue.clear()
+            thing.pose = thing.pose @ transform(rpy=np.radians(rpy_deg).tolist())
+            word = type(outcome).__name__
+            found = [item for item in claims.end(outcome) if "object parcel_1" in item]
+            assert found == [
+                f"1. MOVE_TO {word}: {begins}object parcel_1 deg {text} (at most 5.00)"
+                for text in [turn_deg]
+                if text
+            ]
 
 
 def test_arrival_is_held_against_the_truth(claims: Claims) -> None:
