@@ -2,8 +2,9 @@
 
 Each task runs with a lidar that sees 180 degrees (`--view`). In each period, 5 percent (`--percent`) of
 its beams each read zero, NaN, -infinity and the robot's own body. Prints how many runs reach the goal, how
-many have outcomes that the ground truth contradicts, and how many have unintended contacts. Status 1 if a
-run failed, touched something or had a false outcome.
+many have outcomes that the ground truth contradicts, and how many have unintended contacts, for each task
+and of all. Status 1 if a run failed, touched something or had a false outcome. After Ctrl-C it reports on
+the runs until then.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ import shutil
 import sys
 import tempfile
 from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -70,8 +73,8 @@ def main() -> None:
     words.add_argument("--runs", type=Path, default=None, help="folder to keep the runs in")
     chosen = words.parse_args()
     print(f"{'':16}{'Success':>10}{'false':>8}{'contacts':>10}   other ends", flush=True)
-    failed = False
-    with tempfile.TemporaryDirectory() as folder:
+    every = list[Trial]()
+    with tempfile.TemporaryDirectory() as folder, suppress(KeyboardInterrupt):
         robot = faulty_robot(chosen.robot, Path(folder), chosen.percent, chosen.view)
         for name in chosen.tasks:
             setting = CampaignSetting(
@@ -82,20 +85,52 @@ def main() -> None:
             )
             seeds = range(chosen.first, chosen.first + chosen.seeds)
             running = run_campaign(setting, seeds, chosen.jobs)
-            trials = list(track(running, name, chosen.seeds, console=Console(stderr=True)))
-            good = sum(trial.success for trial in trials)
-            false = sum(bool(trial.untrue) for trial in trials)
-            touched = sum(contacts(trial) > 0 for trial in trials)
-            ends = Counter(
-                f"{trial.summary['outcome']}: {trial.summary.get('reason', '')}"
-                for trial in trials
-                if not trial.success
-            )
-            print(f"{name:16}{good:>4} / {len(trials):<3}{false:>8}{touched:>10}", flush=True)
-            for end, count in ends.most_common(3):
-                print(f"{'':18}{count} x {end[:150]}")
-            failed |= good < len(trials) or false > 0 or touched > 0
-    sys.exit(int(failed))
+            trials = list[Trial]()
+            try:
+                for trial in track(running, name, chosen.seeds, console=Console(stderr=True)):
+                    trials.append(trial)
+            finally:
+                every += trials
+                print("\n".join(task_lines(name, trials)), flush=True)
+    print(sum_line(every))
+    sys.exit(int(not every or any(map(went_wrong, every))))
+
+
+def task_lines(name: str, trials: Sequence[Trial]) -> Iterator[str]:
+    """Yield the table's row of a task, and a line for each of the most frequent other ends."""
+    good, false, touched = counts_of(trials)
+    yield f"{name:16}{good:>4} / {len(trials):<3}{false:>8}{touched:>10}"
+    ends = Counter(
+        f"{trial.summary['outcome']}: {trial.summary.get('reason', '')}"
+        for trial in trials
+        if not trial.success
+    )
+    for end, count in ends.most_common(3):
+        yield f"{'':18}{count} x {end[:150]}"
+
+
+def sum_line(trials: Sequence[Trial]) -> str:
+    """Return the result of all runs: share of Success, false outcomes, unintended contacts."""
+    good, false, touched = counts_of(trials)
+    share = 100.0 * good / max(1, len(trials))
+    return (
+        f"Success in {good} of {len(trials)} runs ({share:.1f} %); with false outcomes: {false}; "
+        f"with unintended contacts: {touched}"
+    )
+
+
+def counts_of(trials: Sequence[Trial]) -> tuple[int, int, int]:
+    """Return how many runs succeeded, had a false outcome, and had an unintended contact."""
+    return (
+        sum(trial.success for trial in trials),
+        sum(bool(trial.untrue) for trial in trials),
+        sum(contacts(trial) > 0 for trial in trials),
+    )
+
+
+def went_wrong(trial: Trial) -> bool:
+    """Return whether a run failed, touched something or had a false outcome."""
+    return counts_of([trial]) != (1, 0, 0)
 
 
 if __name__ == "__main__":

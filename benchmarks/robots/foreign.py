@@ -5,8 +5,8 @@ PACKAGES is a folder into which packages of PyPI were installed, each alone or a
 pybullet. A robot whose package isn't there is skipped, and the table says why. For each robot its files are
 copied, `handcart check --draft` writes a robot's file from the maker's URDF, the overlay in `foreign_robots`
 is merged into it (what a user measures or chooses), `handcart check` reads the result, and
-`tasks/drive_map` drives it to five places, for each backend and seed. Exit status 1 where a place was not
-reached, something was touched, or an outcome was false.
+`tasks/drive_map` drives it to five places, for each backend and seed. The last line counts over all robots
+that are there. Exit status 1 where a place was not reached, something was touched, or an outcome was false.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import io
+import re
 import sys
 import tempfile
 import time
@@ -143,6 +144,17 @@ def _row(robot: ForeignRobot, backend: str, runs: Sequence[Driven], warnings: in
     ]
 
 
+def sum_line(rows: Sequence[Sequence[str]]) -> str:
+    """Return the sum over the table's rows: places, share, contacts, false outcomes, robots not driven."""
+    driven = [tuple(map(int, re.findall(r"\d+", row[2]))) for row in rows if row[2].endswith("outcomes")]
+    reached, asked, contacts, false = map(sum, zip(*driven, strict=True)) if driven else (0, 0, 0, 0)
+    left = ", ".join(f"{row[0]} {row[2]}" for row in rows if not row[2].endswith("outcomes"))
+    return (
+        f"places reached: {reached} of {asked} ({100.0 * reached / max(1, asked):.1f} %); "
+        f"contacts: {contacts}; false outcomes: {false}{left and f'; not driven: {left}'}"
+    )
+
+
 def main() -> None:
     """Print a table; status 1 where something went wrong."""
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -162,6 +174,7 @@ def main() -> None:
     for row in rows:
         table.add_row(*row)
     Console().print(table)
+    print(sum_line(rows))
     places = len(PLACE_POSES) * chosen.seeds
     whole = f"{places} of {places} places, 0 contacts, 0 false outcomes"
     sys.exit(0 if all(row[2] in (whole, "skipped") for row in rows) else 1)
