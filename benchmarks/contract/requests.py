@@ -6,7 +6,7 @@ Shipped tasks are run once to measure the length of each action, and once more w
 for each request: in each of the first and last periods of every action, between actions, and at each
 event. A copy sends one request and runs on until its effect is known. Counted are requests that were eaten
 (taken, without an effect), doubled, or misapplied (to another action). Prints a line for each task, and
-the sum; status 1 if there is one.
+the sum; status 1 if there is one. After Ctrl-C it reports on the requests until then.
 """
 
 from __future__ import annotations
@@ -15,9 +15,12 @@ import argparse
 import json
 import os
 import resource
+import signal
+import sys
 import time
 from collections import Counter
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -33,11 +36,14 @@ from handcart.networks.task.preparing import prepare
 from handcart.primitives.outcomes.outcome import Success
 
 REQUEST_KINDS = (Request.PAUSE, Request.STOP, Request.CANCEL, Request.RESTORE)
+WRONG_WORDS = ("eaten", "doubled", "misapplied", "died")
 ANSWER_PERIODS = 400
 """Periods after a request in which something has to come of a stop or a pause."""
 PAUSE_PERIODS = 3
 """Periods that a pause is held."""
 TRIAL_CPU_S = 120
+SHOWN_EVERY = 20
+"""Requests between two lines of progress."""
 
 
 @dataclass
@@ -228,6 +234,7 @@ class Campaign:
             child = os.fork()
             if child == 0:
                 os.close(read)
+                signal.signal(signal.SIGINT, signal.SIG_DFL)  # the first process reports
                 resource.setrlimit(resource.RLIMIT_CPU, (TRIAL_CPU_S, TRIAL_CPU_S))
                 self._asked = Asked(what, self._run, write)
                 self._asked.ask()
@@ -238,6 +245,8 @@ class Campaign:
             os.waitpid(child, 0)
             verdict = json.loads(answer) if answer else "died"
             self.found[verdict.split(":")[0] or "right"] += 1
+            if self.found.total() % SHOWN_EVERY == 1:
+                print(f"  {self.found.total()} requests, at {where}", file=sys.stderr, flush=True)
             if not verdict:
                 continue
             words = f"{what.value} at {where}, action {self._run.acting}: {verdict}"
@@ -257,35 +266,42 @@ def main() -> int:
     words.add_argument("--last", type=int, default=10, help="periods of each action before its end")
     words.add_argument("--every", type=int, default=1, help="only every so many of these periods")
     wanted = words.parse_args()
-    found: Counter[str] = Counter()
-    began = time.monotonic()
-    for task, settings in declared().items():
-        if wanted.tasks not in str(task):
-            continue
-        print(f"{task.parent.name}/{task.name}", flush=True)
-        campaign = Campaign(task, dict(settings), wanted.seed)
-        with forkable():
-            spans = campaign.spans()
-            periods = {
-                period
-                for first, last in spans.values()
-                for period in [
-                    *range(first - 1, first + wanted.first),
-                    *range(last - wanted.last + 1, last + 3),
-                ]
-                if period % wanted.every == 0
-            }
+    began, campaigns = time.monotonic(), list[Campaign]()
+    with suppress(KeyboardInterrupt):
+        for task, settings in declared().items():
+            if wanted.tasks in str(task):
+                campaigns.append(Campaign(task, dict(settings), wanted.seed))
+                ask_all(campaigns[-1], wanted)
+    found = sum((campaign.found for campaign in campaigns), Counter[str]())
+    print(f"{sum_line(found)}; {time.monotonic() - began:.0f} s")
+    return int(any(found[word] for word in WRONG_WORDS))
+
+
+def ask_all(campaign: Campaign, wanted: argparse.Namespace) -> None:
+    """Make the requests of a task and print its line."""
+    print(f"{campaign.task.parent.name}/{campaign.task.name}: run without requests ...", flush=True)
+    with forkable():
+        spans = campaign.spans()
+        periods = {
+            period
+            for first, last in spans.values()
+            for period in [
+                *range(first - 1, first + wanted.first),
+                *range(last - wanted.last + 1, last + 3),
+            ]
+            if period % wanted.every == 0
+        }
+        try:
             campaign.ask_in(periods)
-        print(
-            f"  {len(spans)} actions, {sum(campaign.found.values())} requests: {dict(campaign.found)}",
-            flush=True,
-        )
-        found += campaign.found
-    wrong = sum(found[word] for word in ("eaten", "doubled", "misapplied", "died"))
-    counts = {word: found[word] for word in ("eaten", "doubled", "misapplied", "died")}
-    took = f"{time.monotonic() - began:.0f} s"
-    print(f"{sum(found.values())} requests, {counts}; gave up {found['give up']}; {took}")
-    return int(wrong > 0)
+        finally:
+            count = campaign.found.total()
+            print(f"  {len(spans)} actions, {count} requests: {dict(campaign.found)}", flush=True)
+
+
+def sum_line(found: Counter[str]) -> str:
+    """Return the sum over all tasks: requests, those applied wrongly by kind, those that gave up."""
+    counts = {word: found[word] for word in WRONG_WORDS}
+    return f"{found.total()} requests, {counts}; gave up {found['give up']}"
 
 
 if __name__ == "__main__":
