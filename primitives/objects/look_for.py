@@ -14,6 +14,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import AnyCamera
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.depth_camera import DepthCamera
+from handcart.backends.description.printed_tag import PrintedTag
 from handcart.backends.robot.localization.determination import PoseNeed
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
@@ -40,6 +41,9 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 VIEW_DISTANCES_M = (0.42, 0.36, 0.48)
 """Distances from the camera to the tops of the objects that are looked for, in [m]."""
+READ_PX = 16.0  # width of a tag in the picture, across the slant, at which it is surely read
+SLANT_SHARE = 0.6  # of a tag's width that is left in the most slanting view
+NEAREST_VIEW_M = 0.2
 COVERED_SHARE = 0.97  # of the belief that views have shown when the search ends
 SEEN_COVERED_SHARE = 0.85  # likewise, once the object was seen
 VIEW_RADIUS_M = 0.11  # on the surface that a view surely shows
@@ -149,6 +153,7 @@ class LookFor(ActionPrimitive):
         unsure = at is None or known.sigma_deg > MAX_HEADING_SIGMA_DEG
         heading = None if at is None or unsure else at.theta - robot.pose.theta
         towards = list(directions(file.tags_of(self.object), heading, self.direction))
+        distances = _reading_distances(robot, file.tags_of(self.object))
         tried = np.zeros(len(points), dtype=np.bool_)
         total = float(weights.sum())
         while self._look.views < self.max_views and weights.sum() > self._may_be_missed() * total:
@@ -156,7 +161,7 @@ class LookFor(ActionPrimitive):
             if aim is None:
                 break
             tried[aim] = True
-            if not (yield from look_from(robot, model, points[aim], towards, VIEW_DISTANCES_M)):
+            if not (yield from look_from(robot, model, points[aim], towards, distances)):
                 continue
             yield from self._look.picture(robot, model, self.evidence, self.object)
             camera = robot.view_camera
@@ -187,6 +192,17 @@ class LookFor(ActionPrimitive):
                 except Discrepancy:
                     continue
         return found
+
+
+def _reading_distances(robot: Robot, tags: Sequence[PrintedTag]) -> Sequence[float]:
+    """Return the distances from a camera on the hand to the tops, in [m], from which one of the tags is read;
+    small tags are looked at from nearer.
+    """
+    if not tags:
+        return VIEW_DISTANCES_M
+    focal_px = float(robot.view_camera.model.K[0, 0])
+    farthest = max(NEAREST_VIEW_M, focal_px * max(tag.side for tag in tags) * SLANT_SHARE / READ_PX)
+    return list(dict.fromkeys(min(distance, farthest) for distance in VIEW_DISTANCES_M))
 
 
 def _best_aim(points: FloatArray, aims: FloatArray, weights: FloatArray) -> int | None:

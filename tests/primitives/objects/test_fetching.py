@@ -159,6 +159,14 @@ def test_wrong_weight_is_put_back(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_object_with_a_small_tag_is_looked_for_from_nearer(tmp_path: Path) -> None:
+    small = ("tags: [{id: 7, side_mm: 40}]", "tags: [{id: 7, side_mm: 7}]")
+    rig = at_table_a(changed(tmp_path, "world.yaml", small), changed(tmp_path, "objects.yaml", small))
+    outcome = rig.do(LookFor(object="parcel_1"))
+    assert isinstance(outcome, Success), outcome
+
+
+@pytest.mark.slow
 def test_object_that_slips_needs_a_person() -> None:
     def slip(scene: Any) -> None:
         held, scene.held = scene.held, None
