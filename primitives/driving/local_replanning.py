@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Generator
 
 import numpy as np
 
-from handcart.backends.capabilities.base import DriveCommand
 from handcart.backends.robot.beside import at_rest, in_steps
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.bumps import avoided_points
@@ -23,6 +21,7 @@ from handcart.robotics.navigation.routes.far_replanning import FarReplanner
 from handcart.robotics.navigation.routes.replanning import Replanner, RouteLook, free_length
 from handcart.robotics.numerics.arrays import FloatArray
 
+from .backing_off import PINNED_MOTION_M, BackingOff
 from .driving import no_way, plan_drive
 from .near_map import NearMap
 from .people_watch import PeopleWatch
@@ -36,11 +35,8 @@ LEAD_SPEED_M_S = 0.3  # from which it stays
 HOLD_DISTANCE_M = 1.0  # before what no way leads around, at which the base holds
 OLD_CELLS_S = 20.0  # after which what nothing looked at is dropped, if it closes all ways
 PINNED_S = 0.8  # that the guard holds the base at about one place, until it backs off
-PINNED_MOTION_M, PINNED_TURN_RAD = 0.05, 0.05  # within which a pose is one place
+PINNED_TURN_RAD = 0.05  # within which a heading is one, as `PINNED_MOTION_M` of a position
 MIN_SHIFT_M = 0.006  # to the middle of a narrow place, from which a route is changed for it
-BACK_OFF_M, BACK_OFF_SPEED_M_S = 0.25, 0.15
-BACK_OFF_TIMEOUT_S = 3.0
-BACK_OFF_MAX_TRIES = 8
 PLANNING_S = 0.2  # simulated, of a plan while the base holds
 NEARER_M = 0.1  # by which the rest of the way has to shrink
 NEARER_TIMEOUT_S = 60.0  # within which it has to
@@ -75,7 +71,7 @@ class LocalReplanning:
         """Time since which the base holds because no way leads on, in [s]; None while one does."""
         self._look: RouteLook | None = None
         self._anchor, self._held_for = robot.pose, 0.0
-        self._backed_off, self._stuck_way = 0, 0.0
+        self._backing_off = BackingOff()
         self._nearest, self._nearer_at = np.inf, robot.time
 
     @property
@@ -268,7 +264,8 @@ class LocalReplanning:
         waits, nearer = self.waits_since is not None, tracker.remaining < self._nearest - NEARER_M
         if nearer or waits:
             self._nearest, self._nearer_at = min(self._nearest, tracker.remaining), robot.time
-        self._backed_off = 0 if nearer else self._backed_off
+        if nearer:
+            self._backing_off.tries = 0
         patience = max(NEARER_TIMEOUT_S, NEARER_FACTOR * tracker.remaining / self._top)
         if robot.time > self._nearer_at + patience:
             since = robot.time - self._nearer_at
@@ -287,45 +284,20 @@ class LocalReplanning:
     def pinned(self, robot: Robot) -> bool:
         """Return whether the base should back off, because a near obstacle has stopped it for `PINNED_S`."""
         pinned = self._held_for > PINNED_S and self.waits_since is None
-        return pinned and self._backed_off < BACK_OFF_MAX_TRIES
+        return pinned and self._backing_off.may_try
 
     def back_off(self, robot: Robot, tracker: PathTracker) -> Generator[None, None, None]:
-        """Drive straight away from the obstacle before which the base was stopped, and plan a new route.
-
-        A base with a circular footprint reverses its last direction. A base with a polygonal footprint drives
-        forwards if the obstacle is near its rear, and backwards if the obstacle is near its front. If the
-        last attempt failed, it drives in the opposite direction.
-        """
-        self._backed_off += 1
+        """Drive straight away from the obstacle before which the base was stopped, and plan a new route."""
         held = robot.held
         if held is not None and held.shown_by == "scan":
             self._layer.add(np.array([[held.x, held.y]]), robot.time)
-        start, end = robot.pose, robot.time + BACK_OFF_TIMEOUT_S
-        sign = self._way_off(robot, tracker)
-        command = _away_from(robot, sign)
-        while robot.pose.distance(start) < BACK_OFF_M and robot.time < end:
-            robot.base.drive(*command)
-            yield
-            if robot.held is not None:
-                break
-        if robot.pose.distance(start) < PINNED_MOTION_M:
-            self._stuck_way = sign
+        yield from self._backing_off.drive(robot, tracker.reverse)
         tracker.stopped()
         self._job = None
         look = yield from self.planned(robot)
         self._anchor, self._held_for = robot.pose, 0.0
         if look.kind == "new":
             self._apply(look, robot, tracker)
-
-    def _way_off(self, robot: Robot, tracker: PathTracker) -> float:
-        """Return 1 if the base should leave forwards from what holds it, -1 backwards."""
-        if robot.held is None or robot.spec.footprint_shape.is_disc:
-            return 1.0 if tracker.reverse else -1.0
-        ahead = robot.pose.inverse().apply(np.array([[robot.held.x, robot.held.y]]))[0, 0]
-        sign = -1.0 if ahead > 0.0 else 1.0
-        sign = -sign if sign == self._stuck_way else sign
-        self._stuck_way = 0.0
-        return sign
 
     def command(self, robot: Robot, tracker: PathTracker) -> tuple[float, ...]:
         """Return the base's speed command along the route, or a command to stop while it waits for a free
@@ -385,16 +357,3 @@ class LocalReplanning:
             measured=Measured("RangeSensor", "points sensed that are not on the map", len(self.points)),
             cause=causes.NO_ROUTE,
         )
-
-
-def _away_from(robot: Robot, sign: float) -> DriveCommand:
-    """Return the command away from what holds the base: backwards, or any direction if holonomic.
-
-    `sign` is 1 for a base whose rear led.
-    """
-    held = robot.held
-    if robot.spec.drive.kind != "holonomic" or held is None:
-        return DriveCommand(sign * BACK_OFF_SPEED_M_S)
-    x, y = robot.pose.inverse().apply(np.array([[held.x, held.y]]))[0].tolist()
-    most = min(BACK_OFF_SPEED_M_S, robot.drive_limits.sideways)
-    return DriveCommand.towards(math.atan2(-y, -x), most, 0.0)
