@@ -133,9 +133,10 @@ class ArmContact:
         """
         scene = self._scene
         reach = max(self._extent(joints), self._extent_on_base())
-        if scene.full_plan.clearance(base.x, base.y, scene.time)[0] > reach:
-            return NO_TOUCH
         self._refresh()
+        is_far = scene.full_plan.clearance(base.x, base.y, scene.time)[0] > reach
+        if is_far and not self._is_thing_within(base, reach):
+            return NO_TOUCH
         world_T_base = scene.leaning_at(base)
         riding = self._riding(world_T_base)
         poses = world_T_base @ self._link_poses(joints)
@@ -185,6 +186,16 @@ class ArmContact:
             return False
         plan = self._scene.full_plan
         return plan.clearance(base.x, base.y, self._scene.time)[0] > self._extent(joints)
+
+    def _is_thing_within(self, base: Pose2, reach: float) -> bool:
+        """Return whether a thing that is not on the robot may be within `reach`, in [m], of a 2D pose
+        world_T_base.
+        """
+        first = len(self._fixed)
+        out = self._arrays.middles[first:, :2] - np.array([base.x, base.y])
+        near = np.hypot(*out.T) <= reach + np.linalg.norm(self._arrays.halves[first:], axis=1)
+        riding = {thing.name for thing in self._scene.riding()}
+        return any(self._boxes[first + int(i)].name not in riding for i in np.flatnonzero(near))
 
     def travel(self, start: FloatArray, end: FloatArray) -> float:
         """Return the distance between two postures, in [m]: that of the link whose frame moves farthest.

@@ -16,6 +16,7 @@ from handcart.backends.simulation.books.book_props import BookProps
 from handcart.backends.simulation.world.thing import Rest
 from handcart.backends.simulation.world_files.world_model import world_model
 from handcart.files.models.loading import load
+from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 from tests.shelf_text import GAP, shelf_text
 
@@ -59,6 +60,18 @@ def test_a_thing_that_is_taken_away_is_touched_no_more(scene: Any) -> None:
     book.rest = Rest.FLOOR
     scene.changes += 1
     assert contact.deepest_of_arm(joints).depth == 0.0
+
+
+@pytest.mark.parametrize(("ahead", "is_touched"), [(0.0, True), (3.0, False)])
+def test_driven_arm_touches_a_thing_far_from_walls(scene: Any, ahead: float, is_touched: bool) -> None:
+    contact, joints, base = ArmContact(scene, scene.arm), scene.joints, Pose2(40.0, 40.0, 0.0)
+    hand = (base.lift() @ scene.arm.forward(joints))[:3, 3]
+    book = scene.of(BookProps).tray_book()
+    book.rest, book.pose = Rest.TABLE, transform(tuple(hand - [0.075, ahead, 0.1]))
+    scene.changes += 1
+    assert scene.full_plan.clearance(base.x, base.y, scene.time)[0] > 3.0
+    touch = contact.deepest_of_robot(base, joints)
+    assert touch.other == (book.name if is_touched else "")
 
 
 def test_an_arm_in_an_empty_world_touches_nothing(tmp_path: Path) -> None:
