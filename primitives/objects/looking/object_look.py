@@ -16,7 +16,7 @@ from handcart.primitives.detectors.detector import BrokenDetector
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import collision_model
 from handcart.primitives.objects.knowledge.object_names import name_in_world
-from handcart.primitives.objects.knowledge.objects import Objects, ObjectSighting
+from handcart.primitives.objects.knowledge.objects import LEVEL_M, Objects, ObjectSighting
 from handcart.primitives.objects.site.object_site import (
     base_T_map,
     held_shape,
@@ -310,7 +310,8 @@ def _of_file(robot: Robot, objects: Objects, name: str, surface: str) -> ObjectB
 
 def sighting(robot: Robot, model: ModelView, name: str, surface: str, found: Located) -> ObjectSighting:
     """Convert the pose of an object that was located in the base frame (`found`) to a sighting on the map.
-    Its covariance includes the error of the base's pose.
+    Its covariance includes the error of the base's pose. An object on another surface of the same height,
+    such as the other half of a wide bin, is said to be there.
 
     Raises:
         Discrepancy: the object is not on the surface, but next to it.
@@ -319,11 +320,25 @@ def sighting(robot: Robot, model: ModelView, name: str, surface: str, found: Loc
     heading = math.atan2(found.base_T_object[1, 0], found.base_T_object[0, 0])
     pose = robot.pose.compose(Pose2(x, y, heading))
     outside = -surface_of(model, surface).margin(pose.x, pose.y)
-    if outside > MAX_OFF_SURFACE_M:
+    if outside > MAX_OFF_SURFACE_M and (level := _level_with(model, surface, pose)) is not None:
+        surface = level
+    elif outside > MAX_OFF_SURFACE_M:
         off = Measured("Camera", f"{name} beside the surface", 1e3 * outside, 1e3 * MAX_OFF_SURFACE_M, "mm")
         raise Discrepancy(f"{name} isn't on {surface}", measured=off, cause=causes.MISPLACED)
     covariance = on_map(robot.pose, robot.localization.covariance, Pose2(x, y, heading), found.covariance)
     return ObjectSighting(name, surface, pose, tuple(tuple(row) for row in covariance.tolist()))
+
+
+def _level_with(model: ModelView, surface: str, pose: Pose2) -> str | None:
+    """Return the name of another surface, as high as `surface`, with a point of the map on it; None if there
+    is none.
+    """
+    height = surface_of(model, surface).height_m
+    for name in model.of(Objects).objects.surfaces:
+        other = surface_of(model, name)
+        if name != surface and abs(other.height_m - height) <= LEVEL_M and other.margin(*pose[:2]) >= 0.0:
+            return name
+    return None
 
 
 def require_determined(model: ModelView, name: str, seen: ObjectSighting, need: PoseNeed) -> None:
