@@ -19,7 +19,7 @@ from .activity_task import task_text
 from .definition import Definition
 from .furniture import FurnitureLevel, Piece
 from .placement import DEPTH_M
-from .room import Room
+from .room import SIDE_TABLE, SIDE_TABLE_POSE, SIDE_TABLE_SIZE_M, Room
 from .slots import ThingSlot
 from .thing_table import CarriedEntry
 
@@ -81,6 +81,10 @@ def _world(room: Room) -> str:
             pose = piece.in_room(part.x, part.y)
             above = {"above_m": part.above} if part.above else {}
             lines.append(f"  - {_flow({'name': part.name, **_at(pose), 'size_m': list(part.size), **above})}")
+    if room.has_side_table:
+        lines.append(
+            f"  - {_flow({'name': SIDE_TABLE, **_at(SIDE_TABLE_POSE), 'size_m': list(SIDE_TABLE_SIZE_M)})}"
+        )
     floors = floor_levels(room)
     lines += ["floor_areas:"] if floors else []
     for piece, level in floors:
@@ -152,11 +156,24 @@ def _objects(room: Room) -> str:
                 keys["wall_m"] = round(level.wall_height, 4)
             keys["kinds"] = _kinds_on(room, level)
             lines.append(f"  {level.name}: {_flow(keys | ({'spots': spots} if spots else {}))}")
+    if room.has_side_table:
+        lines.append(f"  {SIDE_TABLE}: {_flow(_side_table(room))}")
     lines.append("objects:")
     for term, slot in room.at_first.items():
         keys = {"kind": _kind(room, term), "on": slot.level.name, **_at(slot.pose), "sigma_deg": BELIEF_DEG}
         lines.append(f"  {room.names[term]}: {_flow({**keys, 'tags': _tags(room, term)})}")
     return "\n".join(lines) + "\n"
+
+
+def _side_table(room: Room) -> dict[str, Any]:
+    *size, height = SIDE_TABLE_SIZE_M
+    kinds = [_kind(room, term) for term in room.at_end if room.is_regripped(term)]
+    return {
+        **_at(SIDE_TABLE_POSE),
+        "height_m": height,
+        "size_m": size,
+        "kinds": list(dict.fromkeys(kinds)),
+    }
 
 
 def _is_part(piece: Piece, level: FurnitureLevel) -> bool:

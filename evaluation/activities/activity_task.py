@@ -5,7 +5,7 @@ from __future__ import annotations
 from handcart.files.yaml.yaml_word import yaml_word
 
 from .definition import Definition
-from .room import Room
+from .room import SIDE_TABLE, Room
 
 HEAD = """\
 # {name}, definition {instance} of BEHAVIOR-1K, as moves of single things. A thing that can't be placed is put
@@ -34,6 +34,13 @@ SITUATIONS = """\
   brought_{name}: {{base: at {target}, {name}: in hand}}
   placed_{name}: {{base: at {target}, {name}: on {target}}}
 """
+REGRIPPING_SITUATIONS = """\
+  aside_{name}: {{base: at {table}, {name}: in hand}}
+  rested_{name}: {{base: at {table}, {name}: on {table}}}
+  found_{name}: {{base: at {table}, {name}: on {table}}}
+  regripped_{name}: {{base: at {table}, {name}: in hand}}
+  again_{name}: {{base: at {target}, {name}: in hand}}
+"""
 ACTIONS = """\
   # {name}
   - {{do: MOVE_TO, from: {before}, to: at_{name}, cost_s: 15, with: {{place: {source}}}}}
@@ -56,6 +63,21 @@ ACTIONS = """\
 """
 
 
+REGRIPPING_ACTIONS = """\
+  # if this grasp doesn't let it be placed: put down in between, and gripped from above
+  - {{do: MOVE_TO, from: brought_{name}, to: aside_{name}, cost_s: 20, with: {{place: {table}}}}}
+  - {{do: PLACE, from: aside_{name}, to: rested_{name}, cost_s: 14, attempts: 2, with: {{surface: {table}}}}}
+  - {{do: LOOK_FOR, from: rested_{name}, to: found_{name}, cost_s: 6, attempts: 2,
+     with: {{object: {name}, surface: {table}}}}}
+  - {{do: PICK, from: found_{name}, to: regripped_{name}, cost_s: 12, attempts: 2,
+     with: {{object: {name}, to: {target}, spot: for_{name}}}}}
+  - {{do: MOVE_TO, from: regripped_{name}, to: again_{name}, cost_s: 15, with: {{place: {target}}}}}
+  - {{do: PLACE, from: again_{name}, to: placed_{name}, cost_s: 14, attempts: 2,
+     with: {{surface: {target}, spot: for_{name}}}}}
+  - {{do: PLACE, from: again_{name}, to: placed_{name}, cost_s: 40, with: {{surface: {target}}}}}
+"""
+
+
 def task_text(definition: Definition, room: Room, robot: str) -> str:
     """Return the text of the file of a task in which a robot carries out an activity."""
     steps = list(_steps(room))
@@ -73,6 +95,10 @@ def task_text(definition: Definition, room: Room, robot: str) -> str:
     )
     situations = "".join(SITUATIONS.format(**step) for step in steps)
     actions = "".join(ACTIONS.format(**step) for step in steps)
+    regripped = {room.names[term] for term in room.at_end if room.is_regripped(term)}
+    for step in (step for step in steps if step["name"] in regripped):
+        situations += REGRIPPING_SITUATIONS.format(**step, table=SIDE_TABLE)
+        actions += REGRIPPING_ACTIONS.format(**step, table=SIDE_TABLE)
     return f"{head}{situations}  home_again: {{base: home}}\n\nactions:\n{actions}"
 
 

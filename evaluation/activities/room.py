@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -15,6 +16,12 @@ from .relations import ActivityRelations
 from .slots import ThingSlot, slots_on
 from .thing_relation import ThingRelation
 from .thing_table import CarriedEntry
+
+SIDE_TABLE = "side_table"
+"""Name of the table on which a thing is put down to be gripped in another way."""
+SIDE_TABLE_POSE = Pose2(0.35, DEPTH_M / 2, math.pi)
+SIDE_TABLE_SIZE_M = (0.4, 0.5, 0.55)
+ROUND_WALLS = 3  # of a surface or more: its things are put down from above
 
 
 @dataclass(frozen=True)
@@ -40,6 +47,19 @@ class Room:
     def home(self) -> Pose2:
         """Start pose of the base on the room's map."""
         return Pose2(self.width / 2, DEPTH_M / 2, 0.0)
+
+    def is_regripped(self, term: str) -> bool:
+        """Return whether a moved thing may have to be gripped in another way on its way.
+
+        Under a board the hand grips from the side; into a box the thing is put down from above.
+        """
+        source, target = self.at_first[term].level, self.at_end[term].level
+        return source.clearance is not None and len(target.walls) >= ROUND_WALLS
+
+    @property
+    def has_side_table(self) -> bool:
+        """True if a thing may have to be gripped in another way."""
+        return any(self.is_regripped(term) for term in self.at_end)
 
 
 def furnish(definition: Definition, relations: ActivityRelations, sizes: Mapping[str, CarriedEntry]) -> Room:

@@ -24,6 +24,7 @@ MAX_RMS_PX = 2.0  # of the fit of an upright object
 MAX_APART_M = 0.03  # between two views of one object
 AMBIGUOUS_RMS_PX = 0.35  # of a tag's corners: a pose that fits so well may be the true one
 AMBIGUOUS_RATIO = 2.0  # likewise, of its rms to that of the pose that fits best: some pictures are worse
+MIN_UPRIGHT_GAIN = 0.02  # of the cosine of an object's tilt; a tag on a side may be turned about the vertical
 MIN_DESCENT = 0.2  # of a line of sight, to a metre along it
 ARM_SIGMA_M, ARM_SIGMA_RAD = 1e-3, 3e-3  # of the camera's pose, from view to view
 
@@ -78,13 +79,15 @@ def read_objects(
 def _likelier(poses: Sequence[TagPose], base_T_camera: Transform, object_T_tag: Transform) -> Transform:
     """Return base_T_object (4, 4) by the pose of its tag that fits best.
 
-    Where another pose fits within the corners' errors too, the one with the object nearer to upright.
+    Where another pose fits within the corners' errors too, and has the object clearly nearer to upright, that
+    one is returned.
     """
     limit = max(AMBIGUOUS_RMS_PX, AMBIGUOUS_RATIO * poses[0].rms_px)
     fitting = [tag_pose for number, tag_pose in enumerate(poses) if number == 0 or tag_pose.rms_px < limit]
     tag_T_object = inverse(object_T_tag)
     found = [np.asarray(base_T_camera @ item.camera_T_tag @ tag_T_object) for item in fitting]
-    return max(found, key=lambda pose: float(pose[2, 2]))
+    nearest = max(found, key=lambda pose: float(pose[2, 2]))
+    return nearest if nearest[2, 2] > found[0][2, 2] + MIN_UPRIGHT_GAIN else found[0]
 
 
 class Located(NamedTuple):

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 pytest.importorskip("bddl", reason="the package bddl isn't installed: pip install 'handcart[bddl]'")
 
@@ -20,6 +21,7 @@ from handcart.evaluation.activities.true_things import true_things
 from handcart.evaluation.judging.survey import SurveyedRun
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.files.errors import FileError
+from handcart.networks.task.preparing import check
 from handcart.networks.task.task_file import load_task
 from handcart.primitives.activities.activity import Activity
 from handcart.robotics.geometry.pose2 import Pose2
@@ -91,6 +93,25 @@ def test_floating_thing_is_a_difference_of_the_verdicts(honey: tuple[MadeActivit
     figures = figures_at(honey, 0.0, 0.05)
     assert figures["activity_bddl"]  # their `inside` doesn't ask for a support
     assert not figures["activity_agreed"]
+
+
+def test_books_under_boards_can_be_gripped_anew_for_a_box(tmp_path: Path) -> None:
+    """From a bookcase they are gripped from the front, into a box they go from above."""
+    room = make("boxing_books_up_for_storage", 0, tmp_path).room
+    assert room.has_side_table
+    objects = yaml.safe_load((tmp_path / "objects.yaml").read_text(encoding="utf-8"))
+    assert objects["surfaces"]["side_table"]["kinds"] == ["book"]
+    network = load_task(tmp_path / "task.yaml").network
+    routes = {(action.do, action.source, action.target) for action in network.actions}
+    assert ("PLACE", "aside_book_1", "rested_book_1") in routes
+    assert ("PICK", "found_book_1", "regripped_book_1") in routes
+    assert "side_table" in {place.name for place in check(tmp_path / "task.yaml").computed}
+
+
+def test_things_that_go_from_table_to_table_need_no_side_table(
+    honey: tuple[MadeActivity, Rig],
+) -> None:
+    assert not honey[0].room.has_side_table
 
 
 def test_unknown_activity_is_refused_with_the_nearest_name(tmp_path: Path) -> None:
