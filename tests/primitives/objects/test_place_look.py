@@ -22,6 +22,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from tests.primitives.changed_scene import do_when
 
 from .fetching import TASK, changed
+from .head_robot import head_robot
 
 TABLE_GREY = 110
 SEEN_COVARIANCE = ((1e-6, 0.0, 0.0), (0.0, 1e-6, 0.0), (0.0, 0.0, 1e-6))
@@ -65,7 +66,7 @@ def knowing_the_other(folder: Path) -> Rig:
     stands = ("name: parcel_2, x_m: 2.3, y_m: 3.7", "name: parcel_2, x_m: 5.05, y_m: 1.65")
     pose = ("x_m: 1.0, y_m: 1.0, heading_deg: 0.0", "x_m: 4.3, y_m: 2.0, heading_deg: 0.0")
     world, places = changed(folder, "world.yaml", pose, stands), changed(folder, "places.yaml", pose)
-    rig = rig_holding(world, "fetch", seed=3, places=places)
+    rig = rig_holding(world, str(head_robot(folder / "head")), seed=3, places=places)
     seen = ObjectSighting("parcel_2", "table_b", Pose2(5.05, 1.65, math.radians(70.0)), SEEN_COVARIANCE)
     rig.model.of(Objects).sightings = (seen,)
     return rig
