@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field
 from typing_extensions import override
@@ -73,4 +73,7 @@ class GpsSpec(MountedSensorSpec):
 
     @override
     def without_errors(self) -> Self:
-        return type(self)(frame=self.frame, period_s=self.period_s, white_m=0.0)
+        heading: dict[str, Any] = {}
+        if self.start_heading_deg == "unknown":  # a condition of the start, not an error of the sensor
+            heading["start_heading_deg"] = "unknown"
+        return type(self)(frame=self.frame, period_s=self.period_s, white_m=0.0, **heading)

@@ -38,7 +38,12 @@ def absorption(rows: Mapping[str, Mapping[str, float]], start: str) -> Absorptio
     Raises:
         NeverEnds: a reachable state cannot reach any absorbing state.
     """
-    rows = {name: rows[name] for name in _reached(rows, start)}
+    rows = {
+        name: {to: p for to, p in rows[name].items() if p > 0.0 or to not in rows}
+        for name in _reached(rows, start)
+    }
+    if not _end_all(rows):
+        raise NeverEnds
     transient = list(rows)
     absorbing = sorted({to for row in rows.values() for to in row} - set(transient))
     place = {name: number for number, name in enumerate([*transient, *absorbing])}
@@ -59,9 +64,28 @@ def absorption(rows: Mapping[str, Mapping[str, float]], start: str) -> Absorptio
 
 
 def _reached(rows: Mapping[str, Mapping[str, float]], start: str) -> list[str]:
-    """Return the transient states that `start` can lead to, in the order of the rows."""
+    """Return the transient states that `start` can lead to, in the order of the rows; a transition with
+    probability 0 leads nowhere.
+    """
     found, new = {start}, [start]
     while new:
-        new = [to for name in new for to in rows[name] if to in rows and to not in found]
+        led = {to for name in new for to, p in rows[name].items() if p > 0.0 and to in rows}
+        new = list(led - found)
         found.update(new)
     return [name for name in rows if name in found]
+
+
+def _end_all(rows: Mapping[str, Mapping[str, float]]) -> bool:
+    """Return whether each transient state can reach an absorbing one.
+
+    Rounded probabilities that sum to almost 1 give a matrix that can be inverted without any end, so that
+    the matrix does not show it.
+    """
+    ending: set[str] = set()
+    while new := {
+        name
+        for name, row in rows.items()
+        if name not in ending and any(p > 0.0 and (to not in rows or to in ending) for to, p in row.items())
+    }:
+        ending |= new
+    return len(ending) == len(rows)

@@ -319,8 +319,6 @@ class Coordinator:
         )
         limit, words = self._limit(action)
         outcome = yield from self._supervision.to_its_end(periods, limit, words)
-        if isinstance(outcome, NotStarted):
-            return log.not_started(action, outcome.reason, outcome.cause)
         if moves:
             at = measure(self._robot)
             self._watch.stands(at)

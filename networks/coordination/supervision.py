@@ -10,7 +10,6 @@ from enum import Enum
 from typing import NamedTuple
 
 from handcart.backends.robot.robot import Robot
-from handcart.networks.graph.route import NotStarted
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.cause import FRAMEWORK_MODULES
 from handcart.primitives.outcomes.discrepancy import Discrepancy
@@ -22,7 +21,7 @@ from .run_life import RunLife, RunState
 
 FRAMEWORK_MODULES.add(__name__)
 Attempt = Generator[None, None, Outcome]
-Periods = Generator[None, None, Outcome | NotStarted | None]
+Periods = Generator[None, None, Outcome | None]
 """Generator of periods that returns the outcome if the attempt has ended, otherwise None."""
 
 
@@ -151,10 +150,8 @@ class Supervision:
 
     def to_its_end(
         self, attempt: Attempt, time_out: float | None = None, late: str = ""
-    ) -> Generator[None, None, Outcome | NotStarted]:
+    ) -> Generator[None, None, Outcome]:
         """Run the attempt of an action, one control period for each `yield`, and return its outcome.
-
-        The result is `NotStarted` if the attempt is called back (asked to restore and end) before it moves.
 
         Args:
             attempt: the attempt.
@@ -293,7 +290,5 @@ def _call_back(attempt: Attempt, discrepancy: Discrepancy) -> Periods:
     except StopIteration as end:
         ended: Outcome = end.value
         return ended
-    except Discrepancy:  # it was still waiting for rest before its start
-        return NotStarted(discrepancy.reason, cause=discrepancy.cause.name)
     yield
     return None

@@ -21,19 +21,23 @@ def to_mermaid(network: ActionNetwork, title: str = "") -> str:
     lines = ["flowchart LR"]
     for part, spot in _nested(folded, None):
         if spot is None:
-            named = f' {_escaped(number[part])}["{_escaped(part.title)}"]' if part else ""
+            named = (
+                f' {_escaped_for_mermaid(number[part])}["{_escaped_for_mermaid(part.title)}"]' if part else ""
+            )
             lines.append(f"    subgraph{named}" if part else "    end")
             continue
         ends = ("([", "])") if spot in (folded.start, folded.goal) else ("[", "]")
-        words = "<br/>".join(map(_escaped, (spot.name, *spot.facts)))
+        words = "<br/>".join(map(_escaped_for_mermaid, (spot.name, *spot.facts)))
         lines.append(f'    {number[spot]}{ends[0]}"{words}"{ends[1]}')
     for way in folded.ways:
-        label = "<br/>".join(map(_escaped, (f"{way.do} {way.costs}".strip(), *way.parameters)))
+        label = "<br/>".join(map(_escaped_for_mermaid, (f"{way.do} {way.costs}".strip(), *way.parameters)))
         lines.append(f'    {number[way.source]} -->|"{label}"| {number[way.target]}')
         if way.on_fail:
             lines.append(f'    {number[way.source]} -.->|"{way.do} fails"| {number[way.on_fail]}')
         for cause, to in way.fails:
-            lines.append(f'    {number[way.source]} -.->|"{way.do} fails: {_escaped(cause)}"| {number[to]}')
+            lines.append(
+                f'    {number[way.source]} -.->|"{way.do} fails: {_escaped_for_mermaid(cause)}"| {number[to]}'
+            )
     return "\n".join(lines) + "\n"
 
 
@@ -120,3 +124,9 @@ def _nested(
 
 def _escaped(words: str) -> str:
     return words.replace("&", "&amp;").replace('"', "&quot;").replace("\\", "\\\\")
+
+
+def _escaped_for_mermaid(words: str) -> str:
+    """Return text for a label of Mermaid, which reads `#35;` as an entity and tags as HTML."""
+    escaped = words.replace("#", "#35;").replace("&", "&amp;").replace('"', "&quot;")
+    return escaped.replace("<", "&lt;").replace(">", "&gt;")

@@ -159,8 +159,12 @@ def _said(value: object) -> str:
 
 
 def shortened(words: str) -> str:
-    """Return a line of text for a drawing, cut to `MAX_LINE_CHARS` characters if it is longer."""
-    return words if len(words) <= MAX_LINE_CHARS else f"{words[: MAX_LINE_CHARS - 1]}…"
+    """Return a line of text for a drawing, cut to `MAX_LINE_CHARS` characters if it is longer.
+
+    Line breaks become spaces, and other characters that no file of XML may hold a replacement character.
+    """
+    line = "".join(letter if letter.isprintable() else "\ufffd" for letter in " ".join(words.split()))
+    return line if len(line) <= MAX_LINE_CHARS else f"{line[: MAX_LINE_CHARS - 1]}…"
 
 
 def _parts(network: ActionNetwork, of: Mapping[str, Spot]) -> dict[str, RepeatedPart]:
@@ -191,7 +195,8 @@ def _title(elements: Sequence[str], outer: int) -> str:
     values = [one["value"] for one in found if one and one["value"] is not None]
     listed = ", ".join(values)
     if len(listed) > MAX_LINE_CHARS:
-        listed = shortened(f"{values[0]}, {values[1]} … {values[-1]}")
+        first = ", ".join(values[:2])
+        listed = shortened(f"{first} … {values[-1]}" if len(values) > 2 else first)
     times = f"{len(elements)} time{'' if len(elements) == 1 else 's'}{' in all' if outer else ''}"
     assert found[0] is not None
     return f"for each {found[0]['name']}, {times}" + (f": {listed}" if values else "")

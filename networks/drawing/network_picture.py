@@ -147,7 +147,7 @@ def draw_network(
 
 def shortened_to(words: str, most: int = 120) -> str:
     """Return a title on one line, cut to `most` characters."""
-    line = " ".join(words.split())
+    line = "".join(letter if letter.isprintable() else "\ufffd" for letter in " ".join(words.split()))
     return line if len(line) <= most else f"{line[: most - 1]}…"
 
 

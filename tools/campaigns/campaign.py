@@ -159,6 +159,9 @@ def _run(opened: OpenCampaign, jobs: int | None, cluster: str | None) -> bool:
         words = f"--level {opened.setting.level} without --out and --until counts its walks in this process"
         print(f"{'--cluster' if cluster is not None else '--jobs'} has no effect: {words}", file=sys.stderr)
     there, count = len(opened.log), len(opened.seeds)
+    if dropped := opened.log.dropped_bytes:
+        words = f"the last line of its log is damaged ({dropped} bytes): its trial is run again"
+        print(words, file=sys.stderr)
     if there:
         print(f"{there} of {count} trials are there already", file=sys.stderr)
     try:

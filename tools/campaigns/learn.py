@@ -89,7 +89,8 @@ def _table(task: Task, found: Sequence[EntryCounts]) -> Iterator[str]:
             continue
         (low, high), (short, long) = entry_counts.p_95, entry_counts.mean_95_s
         p = f"{entry_counts.p:>8.3f}{f'{low:.3f} to {high:.3f}':>17}{counts.give_ups:>9}"
-        mean = f"{entry_counts.mean_s:>9.1f}{f'{short:.1f} to {long:.1f}':>17}"
+        interval = "-" if math.isnan(short) else f"{short:.1f} to {long:.1f}"
+        mean = f"{entry_counts.mean_s:>9.1f}{interval:>17}"
         yield f"{name:<44}{counts.attempts:>9}{p}{mean}"
         yield from _share_rows(entry, entry_counts)
 

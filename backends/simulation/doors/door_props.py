@@ -12,7 +12,7 @@ from handcart.backends.plain_values import Kinds
 from handcart.backends.simulation.world.grasp import Pads, fits
 from handcart.backends.simulation.world.hand_rule import HandRule
 from handcart.backends.simulation.world.props import Props
-from handcart.backends.simulation.world.solids import FloorPlan, Solid
+from handcart.backends.simulation.world.solids import MIN_BODY_HEIGHT_M, FloorPlan, Solid
 from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.kinematics.arm_model import ArmModel
@@ -56,7 +56,7 @@ class DoorProps(Props[DoorsSection]):
         key = tuple(self.openings.values())
         if self._plan is None or self._plan[0] != key:
             solids = [Solid(part.box()) for part in self.parts.values()]
-            self._plan = key, FloorPlan(solids, 0.02, self.scene.robot.body_height)
+            self._plan = key, FloorPlan(solids, MIN_BODY_HEIGHT_M, self.scene.robot.body_height)
         return self._plan[1].gap(base, self.scene.robot.footprint_shape, self.scene.time)
 
     @override

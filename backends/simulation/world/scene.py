@@ -14,7 +14,7 @@ from handcart.backends.ground_truth import Body, GroundTruth
 from handcart.backends.plain_values import Kinds
 from handcart.backends.saved_state import NotAState
 from handcart.backends.simulation.passers.passers import Passers
-from handcart.backends.simulation.world.solids import FloorPlan, Solid
+from handcart.backends.simulation.world.solids import MIN_BODY_HEIGHT_M, FloorPlan, Solid
 from handcart.backends.simulation.world.thing import Rest, Thing
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse
@@ -112,12 +112,12 @@ class Scene:
     @cached_property
     def body_plan(self) -> FloorPlan:
         """Floor plan of the world's solids at the heights of the base's body, which the base may run into."""
-        return FloorPlan(self.solids, 0.02, self.robot.body_height)
+        return FloorPlan(self.solids, MIN_BODY_HEIGHT_M, self.robot.body_height)
 
     @cached_property
     def full_plan(self) -> FloorPlan:
         """Floor plan of the world's solids below 2 m of height, which any part of the robot may run into."""
-        return FloorPlan(self.solids, 0.02, 2.0)
+        return FloorPlan(self.solids, MIN_BODY_HEIGHT_M, 2.0)
 
     def world_T_map(self, own_start: Pose2 | None) -> Pose2:
         """Return world_T_map, the 2D pose of a robot's map in the world.

@@ -18,6 +18,8 @@ from .material import LACQUER_MATERIAL, PLASTER_MATERIAL, WOOD_MATERIAL, Materia
 from .world_file import Furniture, Surprise, TableSpec, Wall, WorldFile
 
 WALL_HEIGHT = 2.0
+MIN_BODY_HEIGHT_M = 0.02
+"""Height above the floor from which a robot's or person's body may touch a solid."""
 _WIDE = 4000.0  # [m]
 _FOREVER = math.inf
 

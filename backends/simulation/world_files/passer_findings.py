@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from handcart.backends.simulation.passers.passers import BODY_HEIGHT_M, Passers
-from handcart.backends.simulation.world.solids import FloorPlan, Solid
+from handcart.backends.simulation.world.solids import MIN_BODY_HEIGHT_M, FloorPlan, Solid
 from handcart.robotics.geometry.pose2 import Pose2
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def passer_findings(
     if not world.passers:
         return
     lasting = [solid for solid in solids if solid.appears == 0.0 and math.isinf(solid.leaves)]
-    plan = FloorPlan(lasting, 0.02, BODY_HEIGHT_M)
+    plan = FloorPlan(lasting, MIN_BODY_HEIGHT_M, BODY_HEIGHT_M)
     for number, spec in enumerate(world.passers):
         yield from _walks_through(loaded, number, spec, plan)
     start = world.start

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 
-from handcart.backends.simulation.world.solids import FloorPlan, Solid, room_of
+from handcart.backends.simulation.world.solids import MIN_BODY_HEIGHT_M, FloorPlan, Solid, room_of
 from handcart.files.suggest import suggest
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
@@ -72,7 +72,7 @@ def solids_of(world: WorldFile) -> list[Solid]:
 
 def _stands_on(loaded: Loaded[WorldFile], robot: RobotFile, solids: list[Solid]) -> Iterator[Finding]:
     start, shape = loaded.value.start, robot.footprint_shape
-    plan = FloorPlan(solids, 0.02, robot.body_height)
+    plan = FloorPlan(solids, MIN_BODY_HEIGHT_M, robot.body_height)
     base = Pose2(start.x_m, start.y_m, math.radians(start.heading_deg))
     gap, name = plan.gap(base, shape, 0.0)
     if gap < 0.0 and shape.is_disc:

@@ -86,8 +86,11 @@ class TrialFile(Sequence[Trial]):
 class TrialLog:
     """Log file of a campaign's trials, a context manager that lets one process at a time append to it.
 
-    It holds each seed once. An incomplete last line, left by a crash, is removed when the log is opened. Any
-    other damage is an error.
+    It holds each seed once. A damaged last line, left by a crash, is removed when the log is opened, and its
+    size is in `dropped_bytes`. Any other damage is an error.
+
+    Attributes:
+        dropped_bytes: size of the damaged last line that was removed; 0 if the log was whole.
     """
 
     def __init__(self, path: Path, sync: bool = True) -> None:
@@ -110,7 +113,8 @@ class TrialLog:
             check_regular(self._file)
             self._lock()
             self._offsets, self._size = read_offsets(path)
-            if os.fstat(self._file).st_size > self._size:
+            self.dropped_bytes = os.fstat(self._file).st_size - self._size
+            if self.dropped_bytes:
                 os.ftruncate(self._file, self._size)
             if sync:
                 os.fsync(self._file)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import betaincinv
+from scipy.special import betaincinv, stdtrit
 
 from handcart.evaluation.campaigns.data.action_ends import action_names
 from handcart.evaluation.campaigns.data.trial import ActionEnd, Trial
@@ -17,6 +17,7 @@ from handcart.evaluation.campaigns.walks.odds import EndCode
 from handcart.networks.deciding.posterior import OutcomeCounts
 from handcart.networks.entries.entry import TaskEntry
 from handcart.networks.task.task_file import Task
+from handcart.robotics.numerics.arrays import FloatArray
 
 from .seen_actions import FAULT_STATUS, SeenActions
 
@@ -46,7 +47,7 @@ class EntryCounts:
     mean_s: float
     """Mean duration of an attempt, in [s]; NaN without attempts."""
     mean_95_s: tuple[float, float]
-    """95 % interval of the mean duration, in [s]."""
+    """95 % interval of the mean duration, in [s], by Student's t; NaN with fewer than two attempts."""
     named: tuple[str, ...] = ()
     """Causes that `on_fail` names, in the order of `OutcomeCounts.by_cause`."""
 
@@ -147,9 +148,16 @@ def _counted(seen: SeenActions, number: int, entry: TaskEntry, all_ends: Sequenc
     seconds = seen.seconds[rows]
     if not len(seconds):
         return EntryCounts(counts, causes, math.nan, (math.nan, math.nan), named)
-    mean = float(seconds.mean())
-    spread = float(seconds.std(ddof=1)) / math.sqrt(len(seconds)) if len(seconds) > 1 else 0.0
-    return EntryCounts(counts, causes, mean, (mean - 1.96 * spread, mean + 1.96 * spread), named)
+    return EntryCounts(counts, causes, float(seconds.mean()), _mean_interval(seconds), named)
+
+
+def _mean_interval(seconds: FloatArray) -> tuple[float, float]:
+    """Return the 95 % interval of the mean of durations (n,), in [s]; a single one has no known spread."""
+    if len(seconds) < 2:
+        return math.nan, math.nan
+    mean, error = float(seconds.mean()), float(seconds.std(ddof=1)) / math.sqrt(len(seconds))
+    reach = float(stdtrit(len(seconds) - 1, 0.5 * (1.0 + CONFIDENCE_LEVEL))) * error
+    return max(0.0, mean - reach), mean + reach
 
 
 def _fails_by_cause(named: Sequence[str], ends: Sequence[ActionEnd]) -> tuple[int, ...]:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -29,6 +31,7 @@ from .fault import Fault, FaultKind, all_sensors
 LOST_ROLL_RATIO = 0.5  # share of the wheels' roll that is lost
 LIDAR_FAULTS = RangeFaults(zero=0.05, nan=0.05, too_close=0.05, own_body=0.05)
 SLIDING_SPEED_M_S = 0.1  # [m/s] of a standing car, see `Fault.speed`
+SLIDING_SPEED_RATIOS = (1.0, 0.5, 0.25, 0.125)  # tried one after the other, until the base takes one
 
 
 class InjectedError(RuntimeError):
@@ -70,11 +73,17 @@ class FaultyBackend(LayeredBackend):
         return tuple(name for name in all_sensors() if name in self._read_once)
 
     def _slide(self, base: Base, fault: Fault) -> None:
-        """Slide a base at rest; a base that cannot turn on the spot slides ahead or back instead."""
-        try:
-            base.drive(fault.speed, fault.turn_rate)
-        except CommandError:
-            base.drive(math.copysign(SLIDING_SPEED_M_S, fault.turn_rate), 0.0)
+        """Slide a base at rest; a base that cannot turn on the spot slides ahead or back instead.
+
+        A base that refuses the speed, because it is slower, slides at half of it, and so on.
+        """
+        ways = [(fault.speed, fault.turn_rate)]
+        if fault.turn_rate:
+            ways.append((math.copysign(SLIDING_SPEED_M_S, fault.turn_rate), 0.0))
+        for share, (speed, turn_rate) in product(SLIDING_SPEED_RATIOS, ways):
+            with suppress(CommandError):
+                base.drive(share * speed, share * turn_rate)
+                return
 
     def stay(self) -> bool:
         """End an injected slip of the base; return whether it slid in the last `SETTLING_PERIODS` periods.

@@ -20,7 +20,7 @@ from handcart.robotics.kinematics.urdf_assembly import root_link
 from handcart.robotics.numerics.arrays import Int8Array
 
 from .events import event_messages
-from .scene import scene_messages
+from .scene import on_map, scene_messages
 from .stamped import MAP_FRAME, Message, nanoseconds, orientation_of, pose_of, position_of, stamp
 
 if TYPE_CHECKING:
@@ -82,12 +82,13 @@ def _bases(recorded: Playback) -> Iterator[Message]:
     from foxglove.messages import PoseInFrame, PosesInFrame
 
     rows, root = recorded.rows, root_link(_urdf(recorded))
+    truth = on_map(recorded, rows.truth)
     for row, time in enumerate(rows.time.tolist()):
         believed = pose_of(rows.pose[row])
         yield time, "/tf", _transforms(recorded, row, root)
         yield time, "/pose", PoseInFrame(timestamp=stamp(time), frame_id=MAP_FRAME, pose=believed)
         if np.isfinite(rows.truth[row]).all():
-            true = pose_of(rows.truth[row])
+            true = pose_of(truth[row])
             yield time, "/truth", PoseInFrame(timestamp=stamp(time), frame_id=MAP_FRAME, pose=true)
     for time, cloud in zip(rows.cloud_time.tolist(), rows.cloud, strict=True):
         poses = [pose_of(item) for item in cloud]

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from foxglove.messages import Pose, Quaternion, Timestamp, Vector3
 
 MAP_FRAME = "map"
-"""Name of the map's frame, which is also the simulated world's frame."""
+"""Name of the map's frame, in which all poses are exported, those of the simulated world, too."""
 Message = tuple[float, str, Any]
 """A message to export, as time in [s] of the robot's clock, topic, and content."""
 

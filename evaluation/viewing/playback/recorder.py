@@ -155,8 +155,9 @@ class PlaybackRecorder(RunObserver):
 
     def _take_scan(self, robot: Robot) -> None:
         if self._range is not None:
+            ranges = self._range.scan().rep117()  # may raise: then neither time nor ranges are kept
             self._scan_times.append(robot.time)
-            self._scans.append(self._range.scan().rep117())
+            self._scans.append(ranges)
         self._take_people(robot)
         cloud = robot.localization.particles
         if cloud is not None:
@@ -176,9 +177,9 @@ class PlaybackRecorder(RunObserver):
         if picture is None or picture is self._shown:
             return
         self._picture_due = robot.time + PICTURE_PERIOD_S
-        self._shown = picture
+        self._shown, jpeg = picture, jpeg_of(picture)
         self._picture_times.append(robot.time)
-        self._pictures.append(jpeg_of(picture))
+        self._pictures.append(jpeg)
 
     def _take_things(self, time: float, scene: Scene) -> None:
         if scene.changes == self._changes:

@@ -143,6 +143,27 @@ def test_a_second_stuck_fault_holds_what_is_commanded_next() -> None:
         assert base.wheel_travel() == pytest.approx(before)
 
 
+@pytest.mark.parametrize(("speed", "turn_rate"), [(0.1, 0.0), (-0.1, 0.0), (0.0, 0.12), (0.0, -0.12)])
+def test_slow_standing_base_slides_as_fast_as_it_can(speed: float, turn_rate: float) -> None:
+    with KitBench("kinematic", "librarian").rig() as rig:
+        faulty, inner = FaultyBackend(rig.backend), needed(rig.backend, Base)
+        drive, driven = inner.drive, list[tuple[float, ...]]()
+
+        def slow(ahead: float, turn: float, sideways: float = 0.0) -> None:
+            if max(abs(ahead), abs(turn)) > 0.04:
+                raise CommandError("too fast; allowed: 0.04")
+            driven.append((ahead, turn))
+            drive(ahead, turn)
+
+        inner.drive = slow  # type: ignore[assignment, method-assign]
+        faulty.inject(Fault(FaultKind.SLIP, periods=10, speed=speed, turn_rate=turn_rate))
+        for _ in range(10):
+            faulty.step()
+        assert faulty.bitten
+        assert len(driven) == 10
+        assert all(any(command) for command in driven)
+
+
 @pytest.mark.parametrize(("sensor", "error"), [("scale", InjectedError), ("", InjectedError)])
 def test_exceptions_reach_a_new_capability(faulty: FaultyBackend, sensor: str, error: type) -> None:
     scale = needed(faulty, Scale)

@@ -21,7 +21,7 @@ from handcart.networks.analysis.action_table import (
     table_warnings,
 )
 from handcart.networks.analysis.forecast import forecast
-from handcart.networks.chains.absorbing_chain import absorption
+from handcart.networks.chains.absorbing_chain import NeverEnds, absorption
 from handcart.networks.chains.chance import Chance
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, Situation
 from handcart.networks.graph.planner import NoWay
@@ -84,6 +84,20 @@ def test_a_coin_until_heads() -> None:
     found = absorption({"toss": {"toss": 0.5, "heads": 0.5}}, "toss")
     assert found.ends == {"heads": 1.0}
     assert (found.steps, found.steps_sigma) == pytest.approx((2.0, np.sqrt(2.0)))
+
+
+def test_a_chain_without_an_end_never_ends_however_it_is_rounded() -> None:
+    rows = {"a": {"b": 1.0}, "b": {"a": 0.1, "b": 0.2, "c": 0.7}, "c": {"a": 1.0}}
+    with pytest.raises(NeverEnds):
+        absorption(rows, "a")
+    with pytest.raises(NeverEnds):
+        absorption({**rows, "start": {"a": 0.5, "end": 0.5}}, "start")
+
+
+def test_a_loop_that_is_never_entered_has_no_part() -> None:
+    found = absorption({"a": {"b": 0.0, "end": 1.0, "other": 0.0}, "b": {"b": 1.0}}, "a")
+    assert found.ends == {"end": 1.0, "other": 0.0}
+    assert found.steps == 1.0
 
 
 def test_attempts_are_limited() -> None:

@@ -1,5 +1,6 @@
 """Networks as Mermaid, dot and SVG."""
 
+from itertools import pairwise
 from typing import Any
 from xml.etree import ElementTree
 
@@ -66,3 +67,39 @@ def test_pictures_are_the_same_each_time(network: ActionNetwork, suffix: str, be
     assert isinstance(picture, bytes)
     assert picture.startswith(begin)
     assert WRITER_BY_SUFFIX[suffix](network, "think") == picture
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".mmd", ".dot"])
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_part_of_few_elements_with_long_values_is_drawn(stand: Stand, suffix: str, count: int) -> None:
+    values = [str(number) * 50 for number in range(count)]
+    names = [f"at[{number}]" for number in range(count)]
+    inside = [
+        Situation(name, {}, f"book[{number + 1}] ({value})")
+        for number, (name, value) in enumerate(zip(names, values, strict=True))
+    ]
+    ways = [
+        Action(source, target, Binding.of(stand.Think(name="x")))
+        for source, target in pairwise(["s", *names, "z"])
+    ]
+    network = ActionNetwork.build([Situation("s"), *inside, Situation("z")], ways, "s", "z")
+    times = "1 time" if count == 1 else f"{count} times"
+    assert f"for each book, {times}: 0000" in str(WRITER_BY_SUFFIX[suffix](network, ""))
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".mmd", ".dot", ".png"])
+def test_value_of_several_lines_is_drawn_on_one(stand: Stand, suffix: str) -> None:
+    situations = [Situation("s", {"note": "one\ntwo\a"}), Situation("z")]
+    ways = [Action("s", "z", Binding.of(stand.Think(name="x")))]
+    drawn = WRITER_BY_SUFFIX[suffix](ActionNetwork.build(situations, ways, "s", "z"), "a\nb\a")
+    if isinstance(drawn, str):
+        assert "note: one two\ufffd" in drawn
+    if suffix == ".svg":
+        ElementTree.fromstring(str(drawn))
+
+
+def test_mermaid_shows_tags_and_hashes_as_they_are(stand: Stand) -> None:
+    situations = [Situation("s", {"note": "<i>#35; a\\b"}), Situation("z")]
+    ways = [Action("s", "z", Binding.of(stand.Think(name="x")))]
+    drawn = WRITER_BY_SUFFIX[".mmd"](ActionNetwork.build(situations, ways, "s", "z"), "")
+    assert "note: &lt;i&gt;#35;35; a\\b" in str(drawn)

@@ -154,3 +154,11 @@ def test_particles_take_no_fix_for_better_than_5_cm(white: float, sigma: float) 
     found.fix(np.array([1.0, 2.0]))
     after = 1.0 / math.sqrt(1.0 / 0.05**2 + 1.0 / sigma**2)
     assert math.sqrt(found.covariance[0, 0]) == pytest.approx(after, rel=0.1)
+
+
+def test_unknown_start_heading_is_no_error_of_the_receiver() -> None:
+    """A robot that has to find its heading (ORIENT) has to find it with ideal sensors, too."""
+    unknown = GPS.model_copy(update={"start_heading_deg": "unknown"}).without_errors()
+    assert unknown.start_heading_deg == "unknown"
+    assert (unknown.white_m, unknown.drift_m) == (0.0, 0.0)
+    assert GPS.without_errors().start_heading_deg != "unknown"

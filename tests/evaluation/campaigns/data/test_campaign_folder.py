@@ -57,9 +57,21 @@ def test_wherever_it_was_cut_whole_trials_are_left(tmp_path: Path) -> None:
     for size in range(begins, len(whole)):
         path.write_bytes(whole[:size])
         with TrialLog(path, sync=False) as log:
+            assert log.dropped_bytes == size - begins
             assert [item.seed for item in log.trials()] == [0, 1]
             log.append([trial(2)])
         assert path.read_bytes() == whole
+
+
+def test_damaged_last_line_is_dropped_and_counted(tmp_path: Path) -> None:
+    path = tmp_path / "trials.jsonl"
+    whole = written(path, range(2))
+    last = whole[whole.index(b"\n") + 1 :]
+    path.write_bytes(whole.replace(last, last.replace(b'"status":0', b'"status":3')))
+    with TrialLog(path) as log:
+        assert (len(log), log.dropped_bytes) == (1, len(last))
+    with TrialLog(path) as log:
+        assert (len(log), log.dropped_bytes) == (1, 0)
 
 
 def test_a_line_that_was_changed_is_told(tmp_path: Path) -> None:

@@ -40,19 +40,26 @@ def counted(monkeypatch: pytest.MonkeyPatch, ends: list[EndCode], seconds: list[
     return count_entries(cast("Task", task), [])
 
 
-def test_interval_of_a_mean_is_two_standard_errors_wide(monkeypatch: pytest.MonkeyPatch) -> None:
-    first, second = counted(monkeypatch, [EndCode.SUCCESS, EndCode.FAIL], [4.0, 6.0])
-    assert first.counts == OutcomeCounts(1, 1, 0)
-    assert first.mean_s == 5.0
-    assert first.mean_95_s == pytest.approx((5.0 - 1.96, 5.0 + 1.96))
+def test_interval_of_a_mean_is_students(monkeypatch: pytest.MonkeyPatch) -> None:
+    first, second = counted(monkeypatch, [EndCode.SUCCESS] * 4 + [EndCode.FAIL], [4.0, 5.0, 6.0, 7.0, 8.0])
+    assert first.counts == OutcomeCounts(4, 1, 0)
+    assert first.mean_s == 6.0
+    reach = 2.776 * math.sqrt(2.5 / 5)  # Student's t at 0.975 with 4 degrees of freedom
+    assert first.mean_95_s == pytest.approx((6.0 - reach, 6.0 + reach), abs=1e-3)
     assert second.counts == OutcomeCounts()
     assert math.isnan(second.mean_s)
 
 
-def test_single_duration_has_no_spread(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_interval_of_two_durations_is_wide(monkeypatch: pytest.MonkeyPatch) -> None:
+    first, _ = counted(monkeypatch, [EndCode.SUCCESS, EndCode.FAIL], [4.0, 6.0])
+    assert first.mean_95_s == pytest.approx((0.0, 5.0 + 12.706), abs=1e-3)
+
+
+def test_single_duration_has_no_interval(monkeypatch: pytest.MonkeyPatch) -> None:
     first, _ = counted(monkeypatch, [EndCode.FOR_GOOD], [3.0])
     assert first.counts == OutcomeCounts(0, 1, 0)
-    assert first.mean_95_s == (3.0, 3.0)
+    assert first.mean_s == 3.0
+    assert np.isnan(first.mean_95_s).all()
 
 
 def test_written_chances_are_never_certain_and_never_above_one() -> None:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -197,3 +198,32 @@ def test_a_full_disk_ends_the_recording_not_the_run(tmp_path: Path, monkeypatch:
         run.record(recorder, 0.5)
     end = RunEnd("Success", "done", "", 0, 0, 0)
     assert recorder.figures(end) == {"playback_lost": "No space left on device"}
+
+
+def test_scan_that_can_not_be_read_costs_that_scan_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made, recorder = Run(tmp_path / "stack-0"), PlaybackRecorder()
+    lidar = made.prepared.robot.lidar
+    assert lidar is not None
+    scan = lidar.scan
+
+    def broken() -> object:
+        if 0.9 < made.prepared.robot.time < 1.1:
+            raise RuntimeError("the lidar is silent")
+        return scan()
+
+    try:
+        recorder.begin(made.prepared, made.folder)
+        monkeypatch.setattr(recorder, "_range", SimpleNamespace(scan=broken))
+        while made.prepared.robot.time < 2.0:
+            made.prepared.robot.step()
+            recorder.period(made.prepared.robot)
+        recorder.end()
+        rows = Playback.read(made.folder).rows
+        assert len(rows.scan_time) == len(rows.scan_mm)
+        assert not any(0.9 < time < 1.1 for time in rows.scan_time)
+        assert {round(time, 1) for time in rows.scan_time.tolist()} >= {0.8, 1.2}
+        assert recorder.lost is None
+    finally:
+        made.prepared.backend.close()
