@@ -70,6 +70,8 @@ class LocalReplanning:
         self.blocked_since: float | None = None
         """Time since which the base holds because no way leads on, in [s]; None while one does."""
         self._look: RouteLook | None = None
+        self._tries_less_room = False
+        """True while no way was found with the last distance to people, and one with less is to be tried."""
         self._anchor, self._held_for = robot.pose, 0.0
         self._backing_off = BackingOff()
         self._nearest, self._nearer_at = np.inf, robot.time
@@ -167,7 +169,7 @@ class LocalReplanning:
             self._next_better = robot.time + BETTER_PERIOD_S
         speed = abs(robot.command.along)
         lead = LEAD_S * speed if speed > LEAD_SPEED_M_S else 0.0
-        if better:
+        if better and not self._tries_less_room:  # looks that take longer than `BETTER_PERIOD_S` end, too
             self.people.try_all_room()
         arguments = robot.pose, tracker.ahead, self._avoided(robot), robot.time, lead, better
         self._job = in_steps(self._answering(*arguments), robot.backend.simulated)
@@ -243,7 +245,8 @@ class LocalReplanning:
         return avoided_points(robot, self._model)
 
     def _apply(self, look: RouteLook, robot: Robot, tracker: PathTracker) -> None:
-        if look.kind == "none" and not self.people.is_last_attempt:
+        self._tries_less_room = look.kind == "none" and not self.people.is_last_attempt
+        if self._tries_less_room:
             self.people.try_less_room()
             self._next_look = robot.time
             return

@@ -14,12 +14,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.capabilities.range_sensor import RangeSensor
-from handcart.backends.robot.localization.determination import (
-    PoseNeed,
-    difference,
-    room_left,
-    undetermined,
-)
+from handcart.backends.robot.localization.determination import PoseNeed, difference, room_left, undetermined
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.bumps import remember_bump
@@ -54,7 +49,7 @@ from .early_forecast import check_will_be_determined
 from .lidar_watch import LidarWatch
 from .local_replanning import LocalReplanning
 from .looks_at_rest import LooksAtRest
-from .place_measuring import measure_place
+from .place_measuring import measure_place, until_blocked
 from .way_back import brake, drive_back, way_back_blocked
 
 ARRIVAL_TOLERANCE = PoseTolerance(position=0.02, heading=0.01)
@@ -161,11 +156,13 @@ class MoveTo(ActionPrimitive):
         yield
 
     def _drive(self, robot: Robot, model: ModelView, place: Place) -> Periods:
-        """Drive to a place on the way to the named one."""
+        """Drive to a place on the way to the named one, as long as a way leads there."""
         self._monitor = make_monitor(robot, model)
         self._local = LocalReplanning(robot, model, self.place, place)
         tracker, _ = yield from self._planned(robot, model, place.pose)
-        yield from self._follow(robot, model, tracker)
+        drive = self._follow(robot, model, tracker)
+        yield from until_blocked(drive, robot, lambda: self._blocked_since, 0.5 * self.wait_s)
+        self._ahead, self._blocked_since = np.empty((0, 2)), None
         self._local.keep()
 
     def _place_and_need(self, robot: Robot, model: ModelView) -> tuple[Place, PoseNeed]:

@@ -26,8 +26,8 @@ def measure_place(
     object.
 
     Nothing happens if the object cannot have moved or was measured before, or if a detour was planned. If
-    there is no room for the stop, or the base is nearer to the place already, the robot measures from its
-    present pose.
+    there is no room for the stop, no way leads there, or the base is nearer to the place already, the robot
+    measures from its present pose.
 
     Args:
         robot: the robot.
@@ -49,3 +49,22 @@ def measure_place(
             if no_room.cause is not causes.NO_ROUTE:
                 raise
     yield from measuring
+
+
+def until_blocked(
+    drive: Periods, robot: Robot, since: Callable[[], float | None], patience: float
+) -> Periods:
+    """Drive as long as a way leads on.
+
+    Args:
+        drive: the drive, period by period.
+        robot: the robot.
+        since: function that returns the time since which no way leads on, in [s]; None while one does.
+        patience: time without a way, in [s], after which the drive ends.
+    """
+    for _ in drive:
+        begin = since()
+        if begin is not None and robot.time >= begin + patience:
+            drive.close()
+            return
+        yield

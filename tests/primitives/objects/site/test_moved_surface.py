@@ -96,6 +96,19 @@ def test_board_with_room_below_keeps_its_pose(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("wait_s", [5.0, 0.0])
+def test_crate_where_the_table_would_be_measured_is_driven_around(tmp_path: Path, wait_s: float) -> None:
+    """It blocks the stop before the place, 4.11 m, 2.0 m, but not the place itself."""
+    crate = (
+        "surprises:\n  - {name: crate, x_m: 3.75, y_m: 2.0, size_m: [0.4, 0.3, 0.4], appears_s: 2}\nobjects:"
+    )
+    rig = rig_with(world=changed(tmp_path, "world.yaml", ("objects:", crate)))
+    outcome = rig.do(MoveTo(place="table_b", wait_s=wait_s))
+    assert isinstance(outcome, Success), outcome
+    assert not scene_of(rig).contacts
+
+
+@pytest.mark.slow
 def test_object_is_put_at_the_spot_of_a_moved_table(tmp_path: Path) -> None:
     world = changed(tmp_path, "world.yaml", ("name: table_b, x_m: 5.2, y_m: 2.0", MOVED_B))
     rig = at_table_a(world=world)
