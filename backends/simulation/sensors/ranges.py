@@ -9,6 +9,7 @@ import numpy as np
 from handcart.backends.simulation.world.solids import FloorPlan
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.numerics.arrays import FloatArray, IntArray
+from handcart.robotics.numerics.compiled import compiled, compiled_for
 
 _CORNERS = np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]])
 _GRAZING = 1e-9  # [rad]
@@ -38,12 +39,7 @@ def cast_rays(plan: FloorPlan, sensor: Pose2, angles: FloatArray, time: float, r
     heading = plan.headings[near] - sensor.theta
     outline, beam = _pairs(here, half, heading, angles)
     turned = angles[beam] - heading[outline]
-    enter, leave = _slab(here[outline, 0], half[outline, 0], np.cos(turned))
-    enter_y, leave_y = _slab(here[outline, 1], half[outline, 1], np.sin(turned))
-    np.maximum(enter, enter_y, out=enter)
-    np.minimum(leave, leave_y, out=leave)
-    hit = (enter <= leave) & (enter > 0.0) & (enter <= reach)
-    np.minimum.at(ranges, beam[hit], enter[hit])
+    _shorten(ranges, outline, beam, np.cos(turned), np.sin(turned), here, half, reach)
     return ranges
 
 
@@ -90,15 +86,48 @@ def _wrapped(angle: FloatArray) -> FloatArray:
     return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
-def _slab(here: FloatArray, half: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the distances (k,), in [m], along k beams at which they enter and leave the strips between -half
-    and half.
+@compiled_for("(f8[::1], i8[::1], i8[::1], f8[::1], f8[::1], f8[:,::1], f8[:,::1], f8)")
+def _shorten(
+    ranges: FloatArray,
+    outline: IntArray,
+    beam: IntArray,
+    cos: FloatArray,
+    sin: FloatArray,
+    here: FloatArray,
+    half: FloatArray,
+    reach: float,
+) -> None:
+    """Shorten the ranges (n,) of beams that meet an outline, in place, in [m].
 
     Args:
-        here: (k,) coordinate of the sensor across the strip, in [m].
-        half: (k,) half widths of the strips, in [m].
-        direction: (k,) same coordinate of the beams' unit vectors.
+        ranges: (n,) ranges of the beams so far, in [m].
+        outline: (k,) number of the outline of each pair that may meet.
+        beam: (k,) number of the beam of each pair.
+        cos: (k,) unit vectors of the beams along x of the outlines.
+        sin: (k,) unit vectors of the beams along y of the outlines.
+        here: (m, 2) position of the sensor in the frames of the outlines, in [m].
+        half: (m, 2) half lengths of the outlines along their x and y, in [m].
+        reach: maximum range, in [m].
     """
-    slope = 1.0 / np.where(np.abs(direction) < 1e-12, 1e-12, direction)
-    middle, width = -here * slope, half * np.abs(slope)
+    for i in range(len(outline)):
+        j = outline[i]
+        enter, leave = _slab(here[j, 0], half[j, 0], cos[i])
+        enter_y, leave_y = _slab(here[j, 1], half[j, 1], sin[i])
+        enter, leave = max(enter, enter_y), min(leave, leave_y)
+        if enter <= leave and 0.0 < enter <= reach and enter < ranges[beam[i]]:
+            ranges[beam[i]] = enter
+
+
+@compiled
+def _slab(here: float, half: float, direction: float) -> tuple[float, float]:
+    """Return the distances, in [m], along a beam at which it enters and leaves the strip between -half and
+    half.
+
+    Args:
+        here: coordinate of the sensor across the strip, in [m].
+        half: half width of the strip, in [m].
+        direction: same coordinate of the beam's unit vector.
+    """
+    slope = 1.0 / (1e-12 if abs(direction) < 1e-12 else direction)
+    middle, width = -here * slope, half * abs(slope)
     return middle - width, middle + width

@@ -46,6 +46,21 @@ def test_beams_may_come_in_any_order_and_from_any_turn() -> None:
     assert np.isfinite(found).sum() > 30
 
 
+def test_a_wall_is_seen_as_far_as_the_lidar_reaches() -> None:
+    plan = FloorPlan([box(2.0, 0.0, size=(0.2, 20.0, 1.0))], 0.25, 0.25)
+    away = np.full(len(ANGLES), np.inf)
+    ahead = np.cos(ANGLES) > 1e-6
+    away[ahead] = 1.9 / np.cos(ANGLES[ahead])
+    found = cast_rays(plan, Pose2(0, 0, 0), ANGLES, 0.0, 3.0)
+    assert found == pytest.approx(np.where(away <= 3.0, away, np.inf))
+
+
+def test_an_outline_that_contains_the_sensor_is_not_seen() -> None:
+    around, wall = box(0.2, 0.0, size=(2.0, 2.0, 1.0)), box(5.0, 0.0, size=(0.2, 20.0, 1.0))
+    found = cast_rays(FloorPlan([around, wall], 0.25, 0.25), Pose2(0, 0, 0), ANGLES, 0.0, 12.0)
+    assert np.array_equal(found, cast_rays(FloorPlan([wall], 0.25, 0.25), Pose2(0, 0, 0), ANGLES, 0.0, 12.0))
+
+
 def test_only_what_crosses_the_scan_plane_is_seen() -> None:
     low = box(2.0, 0.0, size=(1.0, 1.0, 0.2))
     plan = FloorPlan([low], 0.25, 0.25)
