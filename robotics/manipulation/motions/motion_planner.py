@@ -230,10 +230,10 @@ def _shorten(path: FloatArray, free: _LineCheck, seed: int) -> FloatArray:
 def _with_shortcuts(path: FloatArray, free: _LineCheck, rng: np.random.Generator, rests: bool) -> FloatArray:
     """Return the path (m, n) with free shortcuts; `rests`: True to check the remains of cut lines too."""
     path = _without_detours(path, free)
+    lengths = _lengths(path)
     for _ in range(_SHORTCUTS):
         if len(path) == 2:
             break
-        lengths = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))))
         first, second = np.sort(rng.uniform(0.0, lengths[-1], 2))
         a, b = (np.array([np.interp(s, lengths, column) for column in path.T]) for s in (first, second))
         before = path[: int(np.searchsorted(lengths, first, side="right"))]
@@ -243,7 +243,13 @@ def _with_shortcuts(path: FloatArray, free: _LineCheck, rng: np.random.Generator
         shortcut = _merged(np.vstack((before[-1:], a, b, after[:1])))
         if not rests or all(free(p, q) for p, q in pairwise(shortcut)):
             path = np.vstack((before, shortcut[1:], after[1:]))
+            lengths = _lengths(path)
     return _without_detours(path, free)
+
+
+def _lengths(path: FloatArray) -> FloatArray:
+    """Return the length (m,) of a path (m, n) up to each of its points, in [rad] or [m]."""
+    return np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))))
 
 
 def _without_detours(path: FloatArray, free: _LineCheck) -> FloatArray:
