@@ -103,36 +103,57 @@ class RouteFinder:
     def _search(self, counts: Uint16Array, ways: Sequence[_Way]) -> CountRoutes:
         size = len(self._place), len(counts)
         weights = [self._weight[a][counts[:, column]] for a, column in enumerate(self._column)]
-        weight = [
-            weights[way.actions[0]]
-            if len(way.actions) == 1
-            else np.minimum.reduce([weights[a] for a in way.actions])
-            for way in ways
-        ]
+        weight = [_least_weight(weights, way) for way in ways]
         fails, cost = np.full(size, np.inf), np.full(size, np.inf)
         fails[self._goal] = cost[self._goal] = 0.0
         plain = not any(way.fails for way in ways)
-        better = True
-        while better:
-            better = False
+        changed = [True] * len(cost)  # situations to which a route was found or improved in the last round
+        while any(changed):
+            now, changed = changed, [False] * len(cost)
             for way, own in zip(ways, weight, strict=True):
-                better |= _shorten(cost, way, own) if plain else _relax(fails, cost, way, own)
+                if now[way.target] or changed[way.target]:
+                    better = _shorten(cost, way, own) if plain else _relax(fails, cost, way, own)
+                    changed[way.source] |= better
         if plain:
             fails = np.where(cost < math.inf, 0.0, math.inf)
-        action, count = np.full(size, NO_ACTION), np.zeros(size, np.int64)
-        needs = np.zeros(size, bool)
-        for way, own in reversed(list(zip(ways, weight, strict=True))):
-            there, come = fails[way.target] + way.fails, cost[way.target] + own
-            source, known = way.source, cost[way.source]
-            best = (there == fails[source]) & (come < math.inf)
-            near = best & (come <= known + TIE_SLACK * known)
-            count[source] += near
-            best &= come <= known
-            for item in reversed(way.actions):
-                chosen = best & (weights[item] == own)
-                action[source][chosen] = item
+        return _first_actions(ways, weights, fails, cost)
+
+
+def _first_actions(
+    ways: Sequence[_Way], weights: Sequence[FloatArray], fails: FloatArray, cost: FloatArray
+) -> CountRoutes:
+    """Return the first actions of the cheapest routes.
+
+    Args:
+        ways: the ways, as in `RouteFinder`.
+        weights: weight (n,) of each action in [s].
+        fails: (situations, n) number of Fails that the cheapest route needs.
+        cost: (situations, n) cost of this route in [s].
+    """
+    action, count = np.full(cost.shape, NO_ACTION), np.zeros(cost.shape, np.int64)
+    needs, nearly = np.zeros(cost.shape, bool), cost + TIE_SLACK * cost
+    is_plain = not any(way.fails for way in ways)
+    for way in reversed(ways):
+        own = _least_weight(weights, way)
+        source, come = way.source, cost[way.target] + own
+        best = come < math.inf
+        if not is_plain:
+            best &= fails[way.target] + way.fails == fails[source]
+        count[source] += best & (come <= nearly[source])
+        best &= come <= cost[source]
+        for item in reversed(way.actions):
+            chosen = best & (weights[item] == own) if len(way.actions) > 1 else best
+            action[source][chosen] = item
+            if not is_plain:
                 needs[source][chosen] = way.fails > 0
-        return CountRoutes(action, count > 1, needs)
+    return CountRoutes(action, count > 1, needs)
+
+
+def _least_weight(weights: Sequence[FloatArray], way: _Way) -> FloatArray:
+    """Return the weight (n,) of the cheapest action of a way, in [s]."""
+    if len(way.actions) == 1:
+        return weights[way.actions[0]]
+    return np.asarray(np.minimum.reduce([weights[action] for action in way.actions]))
 
 
 def _shorten(cost: FloatArray, way: _Way, weight: FloatArray) -> bool:

@@ -117,5 +117,10 @@ class StateCodes:
         codes[:, 0] += place
         order = np.argsort(codes[:, 0]) if codes.shape[1] == 1 else np.lexsort(codes.T)
         codes = codes[order]
-        first = np.flatnonzero(np.append(True, (codes[1:] != codes[:-1]).any(axis=1)))
-        return FlowStates(counts[order[first]], place[order[first]], np.add.reduceat(mass[order], first))
+        differs = np.append(True, (codes[1:] != codes[:-1]).any(axis=1))
+        chosen, number = order[differs], np.empty(len(order), np.int64)
+        number[order] = np.cumsum(differs) - 1
+        total = np.empty((len(chosen), mass.shape[1]))
+        for moment, values in enumerate(mass.T):  # `np.add.reduceat` takes longer
+            total[:, moment] = np.bincount(number, values, len(chosen))
+        return FlowStates(counts[chosen], place[chosen], total)

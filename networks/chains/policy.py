@@ -11,6 +11,7 @@ from handcart.networks.graph.network import Action, ActionNetwork
 
 from .chance import Chance
 from .effort import Effort, TooMuch
+from .few_collections import few_collections
 from .step_maker import State as State
 from .step_maker import Step as Step
 from .step_maker import StepMaker
@@ -115,6 +116,7 @@ def explored(
     return visited(network, begin, maker.step)
 
 
+@few_collections()
 def visited(
     network: ActionNetwork,
     begin: State,
@@ -147,28 +149,35 @@ class _Visit:
         self._goal, self._steps = network.goal, steps
 
     def all_from(self, start: State, decide: Callable[[State], Step | None]) -> None:
-        made, steps, active, left_out = self.made, self._steps, set[State](), self.left_out
-        goal, ahead = self._goal, [start] if start.situation != self._goal else []
+        made, steps, left_out = self.made, self._steps, self.left_out
+        goal, opened = self._goal, list[tuple[State, Step]]()
+        ahead: list[State | None] = [start] if start.situation != goal else []
+        # Hashing a state costs more than all else here, so that each is looked up as rarely as possible.
         while ahead:
-            state = ahead[-1]
-            if (known := made.get(state)) is not None:
-                ahead.pop()
-                active.discard(state)
-                steps.setdefault(state, known)
+            state = ahead.pop()
+            if state is None:  # all states behind the one opened last are done
+                done, step = opened.pop()
+                steps[done] = step
                 continue
-            step = decide(state)
-            if step is None:
-                left_out.add(ahead.pop())
+            if state in made:
                 continue
-            made[state] = step
-            active.add(state)
-            for item in step.following():
+            found = decide(state)
+            if found is None:
+                left_out.add(state)
+                continue
+            made[state] = found
+            opened.append((state, found))
+            ahead.append(None)
+            for item in found.following():
+                if item.situation == goal:
+                    continue
                 if item in made:
-                    self.circles = self.circles or item in active
-                elif item.situation != goal and item not in left_out:
+                    self.circles = self.circles or item not in steps
+                elif item not in left_out:
                     ahead.append(item)
 
 
+@few_collections()
 def likely_policy(network: ActionNetwork, chances: Chances, effort: Effort, start: State) -> Policy:
     """Return the decisions of the cheapest-route rule in the likeliest states of runs, as many as the budget
     allows.

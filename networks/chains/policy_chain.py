@@ -11,6 +11,7 @@ from handcart.robotics.numerics.arrays import FloatArray, IntArray
 
 from .chain_rows import ChainEnd, ChainLinks, ChainRows
 from .ends import AT_GOAL, Ends
+from .few_collections import few_collections
 from .linear_solver import LinearSolver
 from .moments import Moments
 from .policy import Chances as Chances
@@ -46,6 +47,7 @@ class Chain:
         return replace(self, ends=flow.ends, starts=starts, ended=flow.ended, skips=flow.skips)
 
 
+@few_collections()
 def policy_chain(policy: Policy, chances: Chances) -> Chain:
     """Return how runs that follow a policy end, from the exact solution of an absorbing Markov chain.
 

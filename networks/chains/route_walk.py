@@ -93,33 +93,47 @@ class RouteWalk:
             place: (n,) situation of each run.
             mass: (n, 3 or 6) moments of each, as in `FlowStates`.
         """
+        trees = len(counts)
+        first, tied, fails = routes.action.ravel(), routes.is_tied.ravel(), routes.has_to_fail.ravel()
         while len(tree):
-            action, is_tied = routes.action[place, tree], routes.is_tied[place, tree]
+            at = place * trees + tree
+            action, is_tied = first[at], tied[at]
             ended = action == NO_ACTION
-            self._end(place[ended], ChainEnd.NO_WAY, mass[ended])
-            self.stuck += int(np.count_nonzero(ended))
-            self.stuck_fails += int(np.count_nonzero(counts[tree[ended]]))
-            for number in np.flatnonzero(is_tied & ~ended).tolist():
-                yield from self._singly(counts[tree[number]], int(place[number]), mass[number])
-            going = np.flatnonzero(~(is_tied | ended))
-            tree, place, action = tree[going], place[going], action[going]
-            has_to_fail = routes.has_to_fail[place, tree]
-            mass = yield from self._attempted(counts[tree], place, action, mass[going])
+            if ended.any() or is_tied.any():
+                self._end(place[ended], ChainEnd.NO_WAY, mass[ended])
+                self.stuck += int(np.count_nonzero(ended))
+                self.stuck_fails += int(np.count_nonzero(counts[tree[ended]]))
+                for number in np.flatnonzero(is_tied & ~ended).tolist():
+                    yield from self._singly(counts[tree[number]], int(place[number]), mass[number])
+                going = np.flatnonzero(~(is_tied | ended))
+                at, tree, place, action, mass = (
+                    at[going],
+                    tree[going],
+                    place[going],
+                    action[going],
+                    mass[going],
+                )
+            has_to_fail = fails[at]
+            mass = yield from self._attempted(counts, tree, place, action, mass)
             place = self._target[action]
-            yield self._more(counts[tree], action, place, mass * has_to_fail[:, None])
-            tree, place, mass = tree[~has_to_fail], place[~has_to_fail], mass[~has_to_fail]
+            if has_to_fail.any():
+                chosen = np.flatnonzero(has_to_fail)
+                yield self._more(counts, tree[chosen], action[chosen], place[chosen], mass[chosen])
             at_goal = place == self._goal
-            self._end(place[at_goal], ChainEnd.GOAL, mass[at_goal])
-            tree, place, mass = tree[~at_goal], place[~at_goal], mass[~at_goal]
+            ends = np.flatnonzero(at_goal & ~has_to_fail)
+            self._end(place[ends], ChainEnd.GOAL, mass[ends])
+            goes_on = np.flatnonzero(~(at_goal | has_to_fail))
+            tree, place, mass = tree[goes_on], place[goes_on], mass[goes_on]
 
     def _attempted(
-        self, counts: Uint16Array, place: IntArray, action: IntArray, mass: FloatArray
+        self, counts: Uint16Array, tree: IntArray, place: IntArray, action: IntArray, mass: FloatArray
     ) -> Generator[FlowStates, None, FloatArray]:
         """Start one action in each of n states; yield the states after Fails, return the moments after
         Successes.
 
         Args:
-            counts: (n, counters) numbers of Fails.
+            counts: (trees, counters) numbers of Fails.
+            tree: (n,) index in `counts` of each state.
             place: (n,) numbers of the situations.
             action: (n,) numbers of the actions.
             mass: (n, 3 or 6) moments of the runs, as in `FlowStates`.
@@ -133,15 +147,18 @@ class RouteWalk:
             mass[is_skip] = np.hstack((np.zeros((is_skip.sum(), 3)), mass[is_skip, :3] + mass[is_skip, 3:]))
         self._end(place, ChainEnd.GIVE_UP, mass * self._gives_up[action, None])
         for fail, to in zip(self._fail, self._after_fail, strict=True):
-            yield self._more(counts, action, to[action], mass * fail[action, None])
+            yield self._more(counts, tree, action, to[action], mass * fail[action, None])
         return np.asarray(mass * self._success[action, None])
 
-    def _more(self, counts: Uint16Array, action: IntArray, place: IntArray, mass: FloatArray) -> FlowStates:
+    def _more(
+        self, counts: Uint16Array, tree: IntArray, action: IntArray, place: IntArray, mass: FloatArray
+    ) -> FlowStates:
         """Return the states after one more Fail of an action in each of n states, without the goal and
         impossible states.
 
         Args:
-            counts: (n, counters) numbers of Fails.
+            counts: (trees, counters) numbers of Fails.
+            tree: (n,) index in `counts` of each state.
             action: (n,) numbers of the actions.
             place: (n,) numbers of the situations after the Fails.
             mass: (n, 3 or 6) moments of the runs, as in `FlowStates`.
@@ -150,7 +167,7 @@ class RouteWalk:
         at_goal = place == self._goal
         self._end(place[at_goal], ChainEnd.GOAL, mass[at_goal])
         chosen = np.flatnonzero(comes & ~at_goal)
-        more = counts[chosen]
+        more = counts[tree[chosen]]
         more[np.arange(len(chosen)), self._column[action[chosen]]] += 1
         return self._codes.forgotten(FlowStates(more, place[chosen], mass[chosen]))
 
@@ -163,6 +180,7 @@ class RouteWalk:
             mass: (3 or 6,) moments of the runs, as in `FlowStates`.
         """
         state, every, flow = self._codes.state(counts, place), counts[None, :], mass[None, :]
+        only = np.zeros(1, np.int64)
         while state.situation != self._network.goal:
             here = np.array([self._codes.place[state.situation]])
             try:
@@ -176,10 +194,10 @@ class RouteWalk:
                 self.stuck_fails += int(np.count_nonzero(counts))
                 return
             action, counter, after = np.array([step.action.index]), step.action.counter, step.succeeded[0]
-            flow = yield from self._attempted(every, here, action, flow)
+            flow = yield from self._attempted(every, only, here, action, flow)
             assert after is not None
             if dict(after.fails).get(counter, 0) > dict(state.fails).get(counter, 0):
-                yield self._more(every, action, self._target[action], flow)
+                yield self._more(every, only, action, self._target[action], flow)
                 return
             state = after
         self._end(np.array([self._goal]), ChainEnd.GOAL, flow)

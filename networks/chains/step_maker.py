@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from handcart.networks.graph.ahead import Ahead
+from handcart.networks.graph.attempts import Attempts
 from handcart.networks.graph.network import Action, ActionNetwork
 from handcart.networks.graph.plan_search import PlanSearch
 
@@ -204,12 +205,15 @@ class Aftermath:
             fails: Fails before the action, by counter (`Action.counter`), as in `State.fails`.
             happens: False if the action never fails: all states are then None.
         """
+        endings = action.fail_endings
         if not happens:
-            return [None] * (1 + len(action.fail_endings))
-        count = action.allowance.failed(_count(fails, action.counter))
-        after = _counted(fails, action.counter, count)
-        every = [action.on_fail, *(ending.target for ending in action.fail_endings)]
-        return [self._after(action, to or action.source, after) for to in every]
+            return [None] * (1 + len(endings))
+        after = _failed_once_more(fails, action.counter, action.allowance)
+        first = self._after(action, action.on_fail or action.source, after)
+        if not endings:
+            return [first]
+        others = [self._after(action, ending.target or action.source, after) for ending in endings]
+        return [first, *others]
 
     def at(self, situation: str, fails: Mapping[int, int]) -> State:
         """Return the state for planning in a situation, which is the situation and counts of Fails.
@@ -260,6 +264,14 @@ class Aftermath:
 def _count(fails: Fails, counter: int) -> int:
     place = bisect_left(fails, (counter, 0))
     return fails[place][1] if place < len(fails) and fails[place][0] == counter else 0
+
+
+def _failed_once_more(fails: Fails, counter: int, allowed: Attempts) -> Fails:
+    """Return the Fails after one more of a counter."""
+    place = bisect_left(fails, (counter, 0))
+    if place < len(fails) and fails[place][0] == counter:
+        return (*fails[:place], (counter, allowed.failed(fails[place][1])), *fails[place + 1 :])
+    return (*fails[:place], (counter, allowed.failed(0)), *fails[place:])
 
 
 def _counted(fails: Fails, counter: int, count: int) -> Fails:

@@ -164,22 +164,23 @@ class BestValues:
         own = self._own_counters(state.situation)
         if own is None:
             return None
-        part = self.process.part[state.situation]
         carried = tuple([counter for counter, _ in state.fails if counter not in own])
-        found = self._searches.get((part, carried))
+        place = self.process.part[state.situation], carried
+        found = self._searches.get(place)
         if found is None:
-            found = ComponentSearch(self.process, self._bounds, part, carried)
-            self._searches[part, carried] = found
+            found = self._searches[place] = ComponentSearch(self.process, self._bounds, *place)
         return found
 
     def _own_counters(self, situation: str) -> frozenset[int] | None:
         """Return the counters of a situation's component; None if no run comes back to its states."""
-        if situation not in self._counters:
+        try:
+            return self._counters[situation]
+        except KeyError:
             own = None
             if not self._is_acyclic(situation):
                 own = frozenset(counters_of(self.process, self.process.part[situation]))
             self._counters[situation] = own
-        return self._counters[situation]
+            return own
 
     def _settled_bounds(self, state: State) -> tuple[float, float] | None:
         return self._bounds_of(state) if self._is_settled(state) else None

@@ -240,13 +240,11 @@ class ComponentSearch:
             slack: difference of values that does not matter, in [s].
         """
         table, low, high = self._table, self._table.low, self._table.high
-        for _ in range(LOW_SWEEPS):
-            np.maximum(low, table.improved(low), out=low)
+        table.raise_low(LOW_SWEEPS)
         solved = self._equations(np.array([root]), table.choices(low).option)
         self._raise_low(solved, slack)
         high[solved.states] = np.minimum(high[solved.states], solved.high)
-        for _ in range(HIGH_SWEEPS):
-            np.minimum(high, table.improved(high), out=high)
+        table.reduce_high(HIGH_SWEEPS)
         return solved.visits
 
     def _raise_low(self, solved: _Solution, slack: float) -> None:

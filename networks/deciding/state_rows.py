@@ -66,6 +66,7 @@ class StateRows:
         self._place = {name: place for place, name in enumerate(self.names)} | {network.goal: GOAL_ROW}
         self.counters = [*counters_of(process, part), *carried]
         self._column = {counter: column for column, counter in enumerate(self.counters)}
+        self._no_fails = array("H", bytes(2 * (1 + len(self.counters))))
         self._keeps = self._kept()
         self._prepare_actions()
         self._prepare_endings(
@@ -112,11 +113,11 @@ class StateRows:
 
     def key(self, state: State) -> bytes:
         """Return the row of a state (situation and counts of Fails) as bytes, for use as a key."""
-        row = [0] * (1 + len(self.counters))
+        row, column = self._no_fails[:], self._column
         row[0] = self._place[state.situation]
         for counter, count in state.fails:
-            row[1 + self._column[counter]] = count
-        return array("H", row).tobytes()
+            row[1 + column[counter]] = count
+        return row.tobytes()
 
     def row(self, state: State) -> Uint16Array:
         """Return the row (1, 1 + counters) of a state: the index of its situation, and the number of Fails of

@@ -62,6 +62,10 @@ class StateTable:
         self._order, self._first = GrowingArray(whole), GrowingArray(whole)
         self._follows: csr_array | None = None
         """(options, states) probability of each state after each option."""
+        self._can_stay = False
+        """True if some option may leave its state as it is."""
+        self._ranks: list[IntArray] | None = None
+        """Number of the first option of each state, of the second, and so on; of the first if missing."""
 
     @property
     def states(self) -> Uint16Array:
@@ -210,16 +214,46 @@ class StateTable:
         found = np.where(self.expanded, self.stop, values)
         if len(self._first.all):
             order = self._order.all
-            least = np.minimum.reduceat(self._priced(values), self._first.all)
-            found[order] = np.minimum(found[order], least)
+            found[order] = np.minimum(found[order], self._least(values))
         return found
+
+    def raise_low(self, sweeps: int) -> None:
+        """Raise the lower bounds by some sweeps of value iteration over all states."""
+        self._sweep(self.low, np.maximum, sweeps)
+
+    def reduce_high(self, sweeps: int) -> None:
+        """Reduce the upper bounds by some sweeps of value iteration over all states."""
+        self._sweep(self.high, np.minimum, sweeps)
+
+    def _sweep(self, values: FloatArray, better: np.ufunc, sweeps: int) -> None:
+        # States without an option have their final bounds: calling a person is all that is left there.
+        order = self._order.all
+        if len(order):
+            stop = self.stop[order]
+            for _ in range(sweeps):
+                values[order] = better(values[order], np.minimum(stop, self._least(values)))
+
+    def _least(self, values: FloatArray) -> FloatArray:
+        """Return the least cost of an option (states with options,), in [s], in the order of `_order`."""
+        priced, first = self._priced(values), self._first.all
+        if self._ranks is None or len(self._ranks[0]) != len(first):
+            count = np.diff(np.append(first, len(priced)))
+            self._ranks = [np.where(count > rank, first + rank, first) for rank in range(count.max())]
+        least: FloatArray = priced[self._ranks[0]]
+        for number in self._ranks[1:]:  # few options each: `np.minimum.reduceat` takes longer
+            np.minimum(least, priced[number], out=least)
+        return least
 
     def _priced(self, values: FloatArray) -> FloatArray:
         shape = len(self._price.all), len(values)
         if self._follows is None or self._follows.shape != shape:
             self._follows = csr_array((self._p.all, self._to.all, self._ends.all), shape)
-        with np.errstate(divide="ignore"):
-            priced: FloatArray = (self._price.all + self._follows @ values) / self._left.all
+            self._can_stay = bool((self._left.all != 1.0).any())
+        priced: FloatArray = self._follows @ values
+        priced += self._price.all
+        if self._can_stay:
+            with np.errstate(divide="ignore"):
+                priced /= self._left.all
         return priced
 
     def reached(self, roots: IntArray, option: IntArray) -> IntArray:

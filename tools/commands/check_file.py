@@ -11,7 +11,7 @@ import typer
 from handcart.files.printable import counted
 from handcart.files.shown_path import shown_path
 from handcart.files.stages import begin_stage
-from handcart.tools.checks.few_collections import few_collections
+from handcart.networks.chains.few_collections import few_collections
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ from handcart.networks.deciding.best_policy import BestPolicy
 from handcart.networks.deciding.situation_values import SituationValues
 from handcart.networks.deciding.state_rows import StateRows
 from handcart.networks.deciding.state_table import STOP_CHOICE, StateTable
+from handcart.networks.graph.network import ActionNetwork
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -47,3 +50,30 @@ def test_levels_of_a_round_change_no_value(family: str, seed: int, monkeypatch: 
     assert one.low <= several.cost * (1.0 + 1e-9)
     assert several.low <= one.cost * (1.0 + 1e-9)
     assert several.cost - several.low < 8e-4 * several.cost
+
+
+@pytest.mark.parametrize("unlimited", [False, True])
+def test_sweeps_are_steps_to_the_least_expected_cost(unlimited: bool) -> None:
+    """With unlimited attempts, a Fail may leave the state as it is."""
+    task = drawn("anywhere", 5)
+    network = task.network
+    actions = [replace(action, unlimited=unlimited, index=-1) for action in network.actions]
+    network = ActionNetwork.build(network.situations.values(), actions, network.start, network.goal)
+    process = BestPolicy(network, task.chances, "expected_cost", 600.0, Effort(1e5)).process
+    part = max(range(len(process.parts)), key=lambda number: len(process.parts[number]))
+    rows = StateRows(process, part, ())
+    table = StateTable(rows, SituationValues(process), part)
+    ahead = table.add(rows.row(State(process.parts[part][0], ())))
+    for _ in range(4):
+        table.expand(ahead)
+        ahead = np.flatnonzero(~table.expanded & (table.states[:, 0] < rows.inside))
+    table.high[table.states[:, 0] >= rows.inside] = 50.0  # known values beyond the component
+    low, high = table.low.copy(), table.high.copy()
+    for _ in range(3):
+        low = np.fmax(low, np.where(table.expanded, table.choices(low).cost, low))
+        high = np.fmin(high, table.choices(high).cost)
+    table.raise_low(3)
+    table.reduce_high(3)
+    assert table.low == pytest.approx(low, rel=1e-12)
+    assert table.high == pytest.approx(high, rel=1e-12)
+    assert (table.high < table.stop)[table.expanded].any()
