@@ -247,3 +247,16 @@ class RunDecisions:
             return
         self.planner.failed(action, reason, permanent=permanent)
         self._moved(action.after_fail(cause))
+
+    def acknowledged(self, reason: str) -> None:
+        """Count an action as failed that ended in GiveUp, or was broken off, before a person acknowledged it.
+
+        The person says that all is as it was before the action. Nothing was measured, and what the action
+        learned is not kept. So the situation stays as it is, whatever `on_fail` names.
+
+        Args:
+            reason: reason in words.
+        """
+        action, self._ahead = self.next, []
+        self.taken += 1
+        self.planner.failed(action, reason)

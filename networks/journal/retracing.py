@@ -235,7 +235,10 @@ def _acknowledge(found: RunPosition, record: Record) -> None:
     if record["of"] == TORN_RECORD and not found.route.planned:
         return
     found.fails += 1
-    found.route.failed(record["reason"])
+    if record.get("stays"):
+        found.route.acknowledged(record["reason"])
+    else:  # of an older version, which followed `on_fail`: its later records begin there
+        found.route.failed(record["reason"])
 
 
 def _stands(found: RunPosition, record: Record) -> None:

@@ -245,6 +245,10 @@ class Acknowledgement(TypedDict):
     of: str
     cause: NotRequired[str]
     reason: str
+    stays: NotRequired[bool]
+    """True: the situation stays as it was before the action; missing in journals of older versions, which
+    followed `on_fail`.
+    """
 
 
 @with_config(_OPEN)

@@ -19,7 +19,7 @@ class NothingToAcknowledge(InputError):
 def acknowledge(folder: Path, record: int, cause: str | None = None) -> str:
     """Acknowledge a record of a run's journal that waits for a person, and return why it waited.
 
-    The run can then be resumed (rows N13 and U12 of faults.md).
+    The run can then be resumed (rows N13 and U12 of faults.md), in the situation in which the action began.
 
     Args:
         folder: the run's folder.
@@ -44,7 +44,7 @@ def acknowledge(folder: Path, record: int, cause: str | None = None) -> str:
         )
     with Journal.go_on(folder / JOURNAL_FILE, contents, "always") as journal:
         fields = {"record": record, "of": of["kind"], "cause": of["h"], "reason": waits[record]}
-        journal.append("ACK", contents.records[-1]["t"], fields)
+        journal.append("ACK", contents.records[-1]["t"], {**fields, "stays": True})
     return waits[record]
 
 
