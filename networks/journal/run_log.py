@@ -238,7 +238,7 @@ class RunLog(Intents):
             "do": action.do,
             "from": action.source,
             "to": action.target,
-            "with": primitive.model_dump(mode="json"),
+            "with": primitive.__pydantic_serializer__.to_python(primitive, mode="json"),
         }
         if action.binding is None or not action.binding.late:
             self._said[action.index] = words
@@ -262,14 +262,14 @@ def outcome_record(number: int, outcome: Outcome) -> records.Result:
         number: number of the action in the run, from 1.
         outcome: outcome of the action.
     """
+    if isinstance(outcome, Success):  # by far the most frequent: a pattern takes longer
+        succeeded: records.Succeeded = {"n": number, "outcome": "Success"}
+        if outcome.result:
+            succeeded["result"] = outcome.result
+        if outcome.evidence:
+            succeeded["evidence"] = dict(outcome.evidence)
+        return succeeded
     match outcome:
-        case Success(evidence, result):
-            succeeded: records.Succeeded = {"n": number, "outcome": "Success"}
-            if result:
-                succeeded["result"] = result
-            if evidence:
-                succeeded["evidence"] = dict(evidence)
-            return succeeded
         case Fail(reason, permanent, residuals):
             return records.Failed(
                 n=number, outcome="Fail", reason=reason, permanent=permanent, residuals=dict(residuals)
