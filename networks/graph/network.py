@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, cast
+from typing import Any
 
 import networkx as nx
 from pydantic import ValidationError
@@ -78,8 +78,8 @@ class Binding:
         Raises:
             NotBound: the world model does not know a value yet, or the parameter does not accept it.
         """
-        if not self.late:  # `model_validate` alone takes a third longer
-            return cast(ActionPrimitive, self.kind.__pydantic_validator__.validate_python(self.fixed))
+        if not self.late:
+            return self.kind.model_validate(self.fixed)
         try:
             known = {name: model.lookup(key) for name, key in self.late.items()}
             return self.kind.model_validate({**self.fixed, **known})
