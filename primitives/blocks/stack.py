@@ -31,7 +31,7 @@ from handcart.primitives.preconditions.hand_use import LETS_GO
 from handcart.primitives.restoring.snapshot import Snapshot
 from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.geometry.transform import Transform, raised
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.suspension.fixation import placing_posture, split_goal
 
@@ -111,13 +111,13 @@ class Stack(ActionPrimitive):
             yield from self._view(robot, model, fixation(model).landmark, None)
         over = self._over_viewed if correction.views_goal else self._over
         grip = yield from over(robot, model, goal, around)
-        yield from move_straight(robot, _raised(grip, WAIT_HEIGHT_M), held)
+        yield from move_straight(robot, raised(grip, WAIT_HEIGHT_M), held)
         if (yield from correction.measure_over_goal(robot)):
             grip = gripping(robot, plan.block, correction.base_T_block(robot, model, goal, 0))
         yield from self._lower(robot, grip)
         yield from self.intend("the fingers let the block go")
         yield from open_to(robot, plan.block[0] + OPENING_CLEARANCE_M)
-        yield from move_straight(robot, _raised(robot.arm_model.forward(robot.arm.command()), WAIT_HEIGHT_M))
+        yield from move_straight(robot, raised(robot.arm_model.forward(robot.arm.command()), WAIT_HEIGHT_M))
         if self.onto == "goal":
             yield from self._check(robot, model, plan, goal)
         if self.stow:
@@ -166,7 +166,7 @@ class Stack(ActionPrimitive):
         blocks, size, correction = model.of(Blocks), building(model).block, self._correction
         swing = _is_swing(robot, gripping(robot, size, correction.base_T_block(robot, model, goal, 0)))
         grip = gripping(robot, size, correction.base_T_block(robot, model, goal, swing))
-        yield from move_to_pose(robot, _raised(grip, WAIT_HEIGHT_M), gripped(robot, size), around)
+        yield from move_to_pose(robot, raised(grip, WAIT_HEIGHT_M), gripped(robot, size), around)
         if self.onto == "goal" and blocks.fixed is not None:
             blocks.fixed = blocks.fixed._replace(swings=blocks.fixed.swings + swing)
         return grip
@@ -231,11 +231,11 @@ class Stack(ActionPrimitive):
 
     def _lower(self, robot: Robot, grip: Transform) -> Periods:
         """Lower the block until it touches down, at the latest a little below base_T_hand `grip` (4, 4)."""
-        pushed = yield from push(robot, _raised(grip, GUARDED_DESCENT_M), FAST, DESCENT_MAX_FORCE_N)
+        pushed = yield from push(robot, raised(grip, GUARDED_DESCENT_M), FAST, DESCENT_MAX_FORCE_N)
         if pushed.met:
             felt = Measured("Arm", "force that resists the hand", pushed.force, DESCENT_MAX_FORCE_N, "N")
             raise Discrepancy("an obstacle is at the block's goal", measured=felt, cause=causes.OCCUPIED)
-        pushed = yield from push(robot, _raised(grip, -CONTACT_OVERTRAVEL_M), SLOW, TOUCHDOWN_FORCE_N)
+        pushed = yield from push(robot, raised(grip, -CONTACT_OVERTRAVEL_M), SLOW, TOUCHDOWN_FORCE_N)
         if not pushed.met:
             felt = Measured("Arm", "force that resists the hand", pushed.force, TOUCHDOWN_FORCE_N, "N")
             raise Discrepancy(
@@ -283,9 +283,3 @@ def _is_swing(robot: Robot, base_T_hand: Transform) -> int:
     here = robot.arm_model.forward(robot.arm.command())
     across = float(np.linalg.norm(base_T_hand[:2, 3] - here[:2, 3]))
     return int(across >= robot.spec.suspension.swing_from_mm / 1e3)
-
-
-def _raised(base_T_hand: Transform, by: float) -> Transform:
-    result = base_T_hand.copy()
-    result[2, 3] += by
-    return result

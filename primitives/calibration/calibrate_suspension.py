@@ -26,7 +26,7 @@ from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.calibrated import Calibrated, as_facts
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.preconditions.hand_use import CARRIES_OBJECT
-from handcart.robotics.geometry.transform import Transform, apply, inverse
+from handcart.robotics.geometry.transform import Transform, apply, inverse, raised
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.suspension.suspension_identification import (
     Sighting,
@@ -155,7 +155,7 @@ class CalibrateSuspension(ActionPrimitive):
             row = []
             for look in range(LOOKS_PER_SWING):
                 if look > 0:
-                    yield from move_straight(robot, _raised(here), scene.held, scene.around)
+                    yield from move_straight(robot, raised(here, RAISE_HEIGHT_M), scene.held, scene.around)
                     yield
                     yield from move_straight(robot, here, scene.held, scene.around)
                 seen = yield from see(robot, mark, base_T_mark, self.evidence)
@@ -203,9 +203,3 @@ def _fitted(
     assert robot.spec.arm is not None
     off = robot.spec.arm.accuracy_mm / 1e3
     return fit_sightings(sightings, robot.camera.hand_T_camera, scene.base_T_marks[0], known, off)
-
-
-def _raised(base_T_hand: Transform) -> Transform:
-    result = base_T_hand.copy()
-    result[2, 3] += RAISE_HEIGHT_M
-    return result

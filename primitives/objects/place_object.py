@@ -60,7 +60,7 @@ from handcart.primitives.restoring.retrace import retrace
 from handcart.primitives.restoring.snapshot import Snapshot, settle
 from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.geometry.transform import Transform, raised
 
 FAST_M_S, SLOW_M_S = 0.08, 0.015
 GUARDED_M = 0.015  # over the goal, where slow lowering begins
@@ -247,13 +247,13 @@ class PlaceObject(ActionPrimitive):
         yield from settle(robot)
         weight = -float((robot.base_T("hand")[:3, :3] @ (yield from awaited_force(robot)))[2])
         pushed = yield from push(
-            robot, _raised(base_T_hand, GUARDED_M), FAST_M_S, DESCENT_MAX_FORCE_N - weight
+            robot, raised(base_T_hand, GUARDED_M), FAST_M_S, DESCENT_MAX_FORCE_N - weight
         )
         if pushed.met:
             felt = Measured("Arm", "force that resists", pushed.force + weight, DESCENT_MAX_FORCE_N, "N")
             raise Discrepancy("something is in the way of the object", measured=felt, cause=causes.OCCUPIED)
         pushed = yield from push(
-            robot, _raised(base_T_hand, -OVERTRAVEL_M), SLOW_M_S, TOUCHDOWN_FORCE_N - weight
+            robot, raised(base_T_hand, -OVERTRAVEL_M), SLOW_M_S, TOUCHDOWN_FORCE_N - weight
         )
         if not pushed.met:
             felt = Measured("Arm", "force that resists", pushed.force + weight, TOUCHDOWN_FORCE_N, "N")
@@ -321,9 +321,3 @@ class PlaceObject(ActionPrimitive):
             return None
         moved = Measured("Camera", "another object off its place", 1e3 * off, 1e3 * MAX_MOVED_M, "mm")
         return NeedsPerson(f"{other.object} was moved", moved, cause=causes.MISPLACED)
-
-
-def _raised(base_T_hand: Transform, by: float) -> Transform:
-    result = base_T_hand.copy()
-    result[2, 3] += by
-    return result

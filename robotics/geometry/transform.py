@@ -60,6 +60,18 @@ def apply(a_T_b: Transform, points: FloatArray) -> FloatArray:
     return moved
 
 
+def raised(a_T_b: Transform, by: float) -> Transform:
+    """Return a pose moved along z of its reference frame.
+
+    Args:
+        a_T_b: (4, 4) the pose.
+        by: the distance, in [m]; negative for down.
+    """
+    result = a_T_b.copy()
+    result[2, 3] += by
+    return result
+
+
 def distance(a_T_b: Transform, a_T_c: Transform) -> float:
     """Return the distance between the origins of b and c, in [m]."""
     return float(np.linalg.norm(a_T_b[:3, 3] - a_T_c[:3, 3]))

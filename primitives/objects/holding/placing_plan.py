@@ -16,7 +16,7 @@ from handcart.primitives.objects.files.object_kind import ObjectKind
 from handcart.primitives.objects.files.surface import ObjectSurface
 from handcart.primitives.objects.site.object_site import held_box
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform, inverse, transform
+from handcart.robotics.geometry.transform import Transform, inverse, raised, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Solid
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
@@ -151,12 +151,12 @@ def _first_free(models: _PlacingModels, base_T_hand: Transform, here: FloatArray
     Those whose line ends away from the joints' limits come first: at a limit the hand may be stuck.
     """
     collision, arm = models.loaded, models.loaded.arm
-    above, at_limit = _raised(base_T_hand, ABOVE_GOAL_M), None
+    above, at_limit = raised(base_T_hand, ABOVE_GOAL_M), None
     for joints in islice(arm.solutions(above, here, restarts=IK_RESTARTS), SOLUTIONS_PER_GOAL):
         if collision.in_collision(joints):
             continue
-        line = plan_straight(arm, joints, _raised(base_T_hand, FREE_ABOVE_M), STRAIGHT_STEP_M, collision)
-        down = None if line is None else plan_straight(arm, line[-1], _raised(base_T_hand, -FREE_ABOVE_M))
+        line = plan_straight(arm, joints, raised(base_T_hand, FREE_ABOVE_M), STRAIGHT_STEP_M, collision)
+        down = None if line is None else plan_straight(arm, line[-1], raised(base_T_hand, -FREE_ABOVE_M))
         if line is None or down is None or not _can_withdraw(models, line[-1], down[-1], base_T_hand):
             continue
         if arm.within(down[-1], -LIMIT_MARGIN):
@@ -222,9 +222,3 @@ def free_spots(surface: ObjectSurface, radius: float, near: tuple[float, float])
 def _with_hand(robot: Robot, width: float) -> ArmModel:
     half = math.ceil(width / 2 * 1e3) / 1e3
     return robot.arm_model.with_others({"left_finger": half, "right_finger": half})
-
-
-def _raised(base_T_hand: Transform, by: float) -> Transform:
-    result = base_T_hand.copy()
-    result[2, 3] += by
-    return result

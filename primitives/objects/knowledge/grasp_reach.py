@@ -10,16 +10,16 @@ import numpy as np
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.primitives.knowledge.place import Place
+from handcart.primitives.motions.arm_motion import ARM_MARGIN_M
 from handcart.primitives.objects.files.object_kind import KnownObject, ObjectKind
 from handcart.primitives.objects.files.objects_file import ObjectsFile
 from handcart.primitives.objects.files.surface import ObjectSurface
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform, inverse
+from handcart.robotics.geometry.transform import Transform, inverse, raised
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 from handcart.robotics.numerics.arrays import FloatArray
 
-ARM_MARGIN_M = 0.005  # between the arm and the surface
 LIFT_M = 0.08  # over a grasp that must be reached too
 IK_RESTARTS = 4
 HEADING_COUNT = 6  # headings over half a turn: turned by half a turn, a grasp is the same
@@ -89,7 +89,7 @@ class GraspReach:
         foot = Pose2(work.x_m, work.y_m, heading).lift(self._height)
         grips = None
         for hand in self._hands(work.kind, np.asarray(self._base_T_map @ foot)):
-            grips = self._is_free(hand) and self._is_free(_raised(hand))
+            grips = self._is_free(hand) and self._is_free(raised(hand, LIFT_M))
             if grips:
                 return True
         return grips
@@ -127,12 +127,6 @@ def missed_headings(
             return None
         count += missed
     return count
-
-
-def _raised(base_T_hand: Transform) -> Transform:
-    result = base_T_hand.copy()
-    result[2, 3] += LIFT_M
-    return result
 
 
 def missed_words(

@@ -15,7 +15,7 @@ from handcart.primitives.objects.files.object_kind import KnownObject, ObjectKin
 from handcart.primitives.objects.files.objects_file import ObjectsFile
 from handcart.primitives.objects.files.surface import WALL_M, ObjectSurface
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.geometry.transform import Transform, apply, inverse, transform
+from handcart.robotics.geometry.transform import Transform, apply, inverse, raised, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.manipulation.grasping.box_grasps import BITE_M, MAX_BITE_SHARE
 from handcart.robotics.manipulation.grasping.camera_poses import camera_poses, from_direction
@@ -251,7 +251,7 @@ def _reaches(robot: RobotFile, arm: ArmModel, surface: ObjectSurface, base: Pose
     collision = CollisionModel(arm, boxes)
     home = np.array(robot.posture("home"))
     grips = any(
-        _is_free(arm, collision, hand, home) and _is_free(arm, collision, _raised(hand), home)
+        _is_free(arm, collision, hand, home) and _is_free(arm, collision, raised(hand, LIFT_M), home)
         for hand in _hands(robot, tips)
     )
     if not grips:
@@ -273,7 +273,7 @@ def _headings_missed(
     home = np.array(robot.posture("home"))
     hands = [_hand(robot, tips, PITCHES_RAD[0], roll) for roll in HEADINGS_RAD]
     return sum(
-        not (_is_free(arm, collision, hand, home) and _is_free(arm, collision, _raised(hand), home))
+        not (_is_free(arm, collision, hand, home) and _is_free(arm, collision, raised(hand, LIFT_M), home))
         for hand in hands
     )
 
@@ -327,12 +327,6 @@ def _looks(robot: RobotFile, arm: ArmModel, spot: FloatArray) -> Iterator[Transf
     for tilt in (0.0, math.radians(30.0)):
         for pose in camera_poses(spot, from_direction(tilt, math.pi), VIEW_DISTANCE_M):
             yield np.asarray(pose @ inverse(hand_T_camera))
-
-
-def _raised(hand: Transform) -> Transform:
-    result = hand.copy()
-    result[2, 3] += LIFT_M
-    return result
 
 
 def _is_free(arm: ArmModel, collision: CollisionModel, hand: Transform, near: FloatArray) -> bool:

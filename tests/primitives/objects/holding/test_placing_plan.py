@@ -11,9 +11,8 @@ from handcart.primitives.objects.holding.placing_plan import (
     FREE_ABOVE_M,
     _can_withdraw,
     _PlacingModels,
-    _raised,
 )
-from handcart.robotics.geometry.transform import transform
+from handcart.robotics.geometry.transform import raised, transform
 from handcart.robotics.kinematics.shapes import Box
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 from handcart.robotics.manipulation.motions.motion_planner import plan_straight
@@ -28,9 +27,9 @@ def test_hand_at_the_goal_and_on_its_way_back_is_checked(height: float | None, i
     rim = () if height is None else (Box(transform((0.5, 0.0, height)), (0.02, 0.02, 0.02), "rim"),)
     own = CollisionModel(arm)
     models = _PlacingModels(own, own, CollisionModel(arm, rim))
-    start = arm.inverse(_raised(GOAL, ABOVE_GOAL_M), home, restarts=20)
+    start = arm.inverse(raised(GOAL, ABOVE_GOAL_M), home, restarts=20)
     assert start is not None
-    above = plan_straight(arm, start, _raised(GOAL, FREE_ABOVE_M))
-    below = plan_straight(arm, start, _raised(GOAL, -FREE_ABOVE_M))
+    above = plan_straight(arm, start, raised(GOAL, FREE_ABOVE_M))
+    below = plan_straight(arm, start, raised(GOAL, -FREE_ABOVE_M))
     assert above is not None and below is not None
     assert _can_withdraw(models, above[-1], below[-1], GOAL) is is_free
