@@ -22,6 +22,7 @@ from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.objects.files.objects_file import ObjectsFile
 from handcart.primitives.objects.knowledge.object_names import ObjectName, SurfaceName
 from handcart.primitives.objects.knowledge.objects import Objects, ObjectSighting
+from handcart.primitives.objects.knowledge.tag_sight import READ_PX
 from handcart.primitives.objects.looking.object_look import (
     ObjectLook,
     conclude,
@@ -41,7 +42,6 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 VIEW_DISTANCES_M = (0.42, 0.36, 0.48)
 """Distances from the camera to the tops of the objects that are looked for, in [m]."""
-READ_PX = 16.0  # width of a tag in the picture, across the slant, at which it is surely read
 SLANT_SHARE = 0.6  # of a tag's width that is left in the most slanting view
 NEAREST_VIEW_M = 0.2
 COVERED_SHARE = 0.97  # of the belief that views have shown when the search ends

@@ -30,6 +30,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 from .grasp_reach import missed_words
 from .surface_places import NoStandingPlace, followed_place, has_moved, standing_place
 from .surface_scan import is_in_scan, scan_surface
+from .tag_sight import unread_words
 
 if TYPE_CHECKING:
     from handcart.backends.description.robot_file import RobotFile
@@ -98,8 +99,8 @@ class Objects(Section):
     """Detectors of other packages, by name."""
     stands: Mapping[str, Place] = field(default_factory=dict, repr=False, compare=False)
     """Computed places of the base, by surface."""
-    remarks: Mapping[str, str] = field(default_factory=dict, repr=False, compare=False)
-    """Warnings before a run, by the object that they are about."""
+    remarks: Sequence[tuple[str, str]] = field(default=(), repr=False, compare=False)
+    """Warnings before a run, each with the name of the object that it is about."""
 
     @override
     @classmethod
@@ -143,12 +144,16 @@ class Objects(Section):
                     yield self.listed.finding(("surfaces", name), str(reason), at_key=True)
         self.stands = found
         if robot.arm is not None and robot.gripper is not None:
-            self.remarks = dict(missed_words(robot, self.objects, {**given, **found}))
+            stands = {**given, **found}
+            self.remarks = [
+                *missed_words(robot, self.objects, stands),
+                *unread_words(robot, self.objects, stands),
+            ]
 
     @override
     def warnings(self) -> Iterator[Finding]:
         if self.listed is not None:
-            for name, words in self.remarks.items():
+            for name, words in self.remarks:
                 yield self.listed.finding(("objects", name), words, at_key=True)
 
     @override
