@@ -9,12 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.motions.arm_motion import ARM_MARGIN_M
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Solid
 from handcart.robotics.manipulation.doors.door_joint import DoorJoint
-from handcart.robotics.manipulation.motions.collision_model import HELD_NAME, CollisionModel
+from handcart.robotics.manipulation.motions.collision_model import ARM_MARGIN_M, HELD_NAME, CollisionModel
 from handcart.robotics.manipulation.motions.motion_planner import plan_straight
 from handcart.robotics.numerics.arrays import FloatArray
 

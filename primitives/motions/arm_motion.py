@@ -13,12 +13,11 @@ from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.robotics.geometry.transform import Transform
 from handcart.robotics.kinematics.shapes import Shape
-from handcart.robotics.manipulation.motions.collision_model import HELD_NAME, CollisionModel
+from handcart.robotics.manipulation.motions.collision_model import ARM_MARGIN_M, HELD_NAME, CollisionModel
 from handcart.robotics.manipulation.motions.motion_planner import LIMIT_ROUNDING, plan_motion, plan_straight
 from handcart.robotics.manipulation.motions.trajectory import time_path
 from handcart.robotics.numerics.arrays import FloatArray
 
-ARM_MARGIN_M = 0.005  # between the arm and anything
 ALLOWED_CONTACTS = ((HELD_NAME, "tray"),)  # a held object was taken from the tray
 FINGER_RESOLUTION_M = 5e-4  # to which fingers are known, so that one model serves for many motions
 MAX_JOINT_LAG_RAD = 0.15  # behind the command at which something stops the arm: two periods at top speed

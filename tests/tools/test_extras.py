@@ -78,6 +78,16 @@ def test_a_task_for_an_arm_says_what_to_install(command: str) -> None:
     assert re.search(rf"{file}:\d+:10: RECOGNIZE {re.escape(NEEDS_ARM)}$", said.stderr)
 
 
+def test_world_model_sections_need_no_libraries_of_arms_and_labels() -> None:
+    """So a check reads every file of a task, and names the primitives that lack one."""
+    code = WITHOUT.format(names=(*ARM, *LABELS, "coal"), words=["list", "primitives"], tells_asked=False)
+    code = code.partition("from handcart.tools.main")[0] + (
+        "from handcart.primitives.knowledge.sections import sections\nprint(*sections())"
+    )
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert "objects" in said.stdout.split(), said.stderr
+
+
 @pytest.mark.slow
 def test_a_robot_with_an_arm_says_what_to_install() -> None:
     said = without(ARM, "run", DRIVE_MAP)

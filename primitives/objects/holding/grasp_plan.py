@@ -9,13 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.motions.arm_motion import ARM_MARGIN_M
 from handcart.primitives.objects.files.object_kind import ObjectKind
 from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Solid
 from handcart.robotics.manipulation.grasping.box_grasps import Grasp
-from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.manipulation.motions.collision_model import ARM_MARGIN_M, CollisionModel
 from handcart.robotics.manipulation.motions.motion_planner import plan_straight
 from handcart.robotics.numerics.arrays import FloatArray
 

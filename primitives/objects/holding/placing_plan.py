@@ -11,7 +11,6 @@ import numpy as np
 
 from handcart.backends.description.printed_tag import FACE_TURNS, PrintedTag
 from handcart.backends.robot.robot import Robot
-from handcart.primitives.motions.arm_motion import ARM_MARGIN_M
 from handcart.primitives.objects.files.object_kind import ObjectKind
 from handcart.primitives.objects.files.surface import ObjectSurface
 from handcart.primitives.objects.site.object_site import held_box
@@ -19,7 +18,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, raised, transform
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.shapes import Solid
-from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.manipulation.motions.collision_model import ARM_MARGIN_M, CollisionModel
 from handcart.robotics.manipulation.motions.motion_planner import plan_straight
 from handcart.robotics.numerics.arrays import FloatArray
 

@@ -10,14 +10,13 @@ import numpy as np
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.primitives.knowledge.place import Place
-from handcart.primitives.motions.arm_motion import ARM_MARGIN_M
 from handcart.primitives.objects.files.object_kind import KnownObject, ObjectKind
 from handcart.primitives.objects.files.objects_file import ObjectsFile
 from handcart.primitives.objects.files.surface import ObjectSurface
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, raised
 from handcart.robotics.kinematics.arm_model import ArmModel
-from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.manipulation.motions.collision_model import ARM_MARGIN_M, CollisionModel
 from handcart.robotics.numerics.arrays import FloatArray
 
 LIFT_M = 0.08  # over a grasp that must be reached too

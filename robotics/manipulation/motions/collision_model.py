@@ -16,6 +16,7 @@ from handcart.robotics.kinematics.libraries import pin
 from handcart.robotics.kinematics.shapes import Shape
 from handcart.robotics.numerics.arrays import FloatArray
 
+ARM_MARGIN_M = 0.005  # between the arm and anything
 HELD_NAME = "held"
 _EASED_M = 1e-5  # within which a posture is as close as another one
 _TREE_BODIES = 100  # beyond which a tree of boxes finds close bodies faster than a check of all pairs

@@ -21,7 +21,7 @@ from handcart.primitives.contract.tracking_error_monitor import (
     MAX_LAG_PERIODS,
     TrackingErrorMonitor,
 )
-from handcart.primitives.motions.arm_motion import ARM_MARGIN_M, follow, move_to_joints, move_to_pose
+from handcart.primitives.motions.arm_motion import follow, move_to_joints, move_to_pose
 from handcart.primitives.motions.pushing import push, relax
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.primitives.restoring.arm_command import command_moment
@@ -30,7 +30,7 @@ from handcart.primitives.restoring.trace import Moment
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Sphere
-from handcart.robotics.manipulation.motions.collision_model import CollisionModel
+from handcart.robotics.manipulation.motions.collision_model import ARM_MARGIN_M, CollisionModel
 from handcart.robotics.manipulation.motions.motion_planner import plan_motion
 from tests.primitives.conftest import WORLD, Rig
 from tests.small_robot import LIFTING_ROBOT
