@@ -14,9 +14,9 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-from contextlib import suppress
 from dataclasses import replace
 
+from benchmarks.cut_off import CutOff
 from handcart.evaluation.conformance.faults.fail_is_true import Batch, FaultTrial
 from handcart.evaluation.conformance.faults.rehearsal import Rehearsal
 from handcart.evaluation.conformance.kit import KitSetting
@@ -57,7 +57,7 @@ def main() -> None:
     judged: Counter[str] = Counter()
     right: Counter[str] = Counter()
     lacking = 0
-    with suppress(KeyboardInterrupt):  # report the faults until then
+    with CutOff() as cut:  # report the faults until then
         for robot in given.robots.split(","):
             for batch in KitSetting(given.backend, robot, instants=given.instants).batches():
                 if chosen and batch.action not in chosen:
@@ -80,7 +80,7 @@ def main() -> None:
     share = right.total() / total if total else 0.0
     named = f"{right.total()} of {total} name a cause of their fault"
     print(f"{named}: {100 * share:.1f} %; not derived: {lacking}")
-    raise SystemExit(0 if share >= MIN_CAUSE_SHARE and not lacking else 1)
+    raise SystemExit(cut.status(share < MIN_CAUSE_SHARE or bool(lacking)))
 
 
 if __name__ == "__main__":

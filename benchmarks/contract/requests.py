@@ -20,11 +20,11 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from benchmarks.cut_off import CutOff
 from handcart.evaluation.conformance.faults.forked import forkable
 from handcart.evaluation.conformance.faults.repertoire import declared
 from handcart.networks.coordination.coordinator import Coordinator
@@ -267,14 +267,14 @@ def main() -> int:
     words.add_argument("--every", type=int, default=1, help="only every so many of these periods")
     wanted = words.parse_args()
     began, campaigns = time.monotonic(), list[Campaign]()
-    with suppress(KeyboardInterrupt):
+    with CutOff() as cut:
         for task, settings in declared().items():
             if wanted.tasks in str(task):
                 campaigns.append(Campaign(task, dict(settings), wanted.seed))
                 ask_all(campaigns[-1], wanted)
     found = sum((campaign.found for campaign in campaigns), Counter[str]())
     print(f"{sum_line(found)}; {time.monotonic() - began:.0f} s")
-    return int(any(found[word] for word in WRONG_WORDS))
+    return cut.status(not found or any(found[word] for word in WRONG_WORDS))
 
 
 def ask_all(campaign: Campaign, wanted: argparse.Namespace) -> None:

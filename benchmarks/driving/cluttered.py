@@ -16,7 +16,6 @@ import math
 import time
 from collections import Counter
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -24,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.cut_off import CutOff
 from benchmarks.driving.cluttered_robot import write_robot
 from benchmarks.driving.cluttered_worlds import (
     DENSITIES,
@@ -287,7 +287,7 @@ def main() -> None:
     chosen.shape_of_robot = shape_of(chosen.sides)
     print(f"{chosen.worlds} worlds on {chosen.backend}, {chosen.speed:g} m/s, map: {chosen.map}", flush=True)
     results = []
-    with suppress(KeyboardInterrupt):  # report the runs until then
+    with CutOff() as cut:  # report the runs until then
         for make in worlds_of(chosen):
             world = make()
             result = try_world(world, chosen)
@@ -303,7 +303,7 @@ def main() -> None:
             if chosen.pictures:
                 draw(world, result, chosen.shape_of_robot, chosen.pictures / f"world_{result.seed}.png")
     print(report(results, chosen.speed))
-    raise SystemExit(int(any(item.contacts or item.false for item in results)))
+    raise SystemExit(cut.status(not results or any(item.contacts or item.false for item in results)))
 
 
 if __name__ == "__main__":

@@ -18,7 +18,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -28,6 +27,7 @@ from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
+from benchmarks.cut_off import CutOff
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.primitives.driving.move_to import MoveTo
@@ -210,7 +210,7 @@ def main() -> None:
     chosen = words.parse_args()
     counts: dict[str, int] = {}
     done, false, free, free_success, begun = 0, 0, 0, 0, time.process_time()
-    with suppress(KeyboardInterrupt):  # report the runs until then
+    with CutOff() as cut:  # report the runs until then
         for seed in range(chosen.first, chosen.first + chosen.runs):
             width = HALL_M if chosen.hall else CORRIDOR_M
             case = draw(seed, chosen.pillars, chosen.backend, chosen.wrong_start, width)
@@ -228,7 +228,7 @@ def main() -> None:
     seconds = time.process_time() - begun
     print(f"\r{done} runs, {counts}: {false} false Success or Fail; {seconds:.0f} CPU s")
     print(f"without a pallet: {free_success} of {free} runs reached both places")
-    raise SystemExit(1 if false else 0)
+    raise SystemExit(cut.status(not done or bool(false)))
 
 
 if __name__ == "__main__":

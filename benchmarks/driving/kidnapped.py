@@ -15,7 +15,6 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,6 +22,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
+from benchmarks.cut_off import CutOff
 from benchmarks.driving.map_starts import Chart, chosen_charts, floor_pose, start_options, written_world
 from handcart.evaluation.trials.rig import Rig, build_rig
 from handcart.primitives.contract.attempt import attempt
@@ -203,7 +203,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         every = chosen_charts(Path(folder), chosen)
         lifted, seed = 0, chosen.first
-        with suppress(KeyboardInterrupt):  # report the runs until then
+        with CutOff() as cut:  # report the runs until then
             while lifted < chosen.runs:
                 chart = every[seed % len(every)]
                 print(
@@ -226,7 +226,7 @@ def main() -> None:
     print(f"\r{lifted} lifted: {lifted - late} noticed within {NOTICED_S:g} s or {NOTICED_M:g} m")
     print(f"by {dict(noticed)}; outcomes {dict(outcomes)}")
     print(f"{false} false outcomes; {time.process_time() - begun:.0f} CPU s")
-    raise SystemExit(1 if false else 0)
+    raise SystemExit(cut.status(not lifted or bool(false)))
 
 
 if __name__ == "__main__":

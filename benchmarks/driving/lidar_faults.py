@@ -15,7 +15,6 @@ import sys
 import tempfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +22,7 @@ import yaml
 from rich.console import Console
 from rich.progress import track
 
+from benchmarks.cut_off import CutOff
 from handcart.backends.description.robot_names import robot_path
 from handcart.evaluation.campaigns.campaign import run_campaign
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
@@ -74,7 +74,7 @@ def main() -> None:
     chosen = words.parse_args()
     print(f"{'':16}{'Success':>10}{'false':>8}{'contacts':>10}   other ends", flush=True)
     every = list[Trial]()
-    with tempfile.TemporaryDirectory() as folder, suppress(KeyboardInterrupt):
+    with tempfile.TemporaryDirectory() as folder, CutOff() as cut:
         robot = faulty_robot(chosen.robot, Path(folder), chosen.percent, chosen.view)
         for name in chosen.tasks:
             setting = CampaignSetting(
@@ -93,7 +93,7 @@ def main() -> None:
                 every += trials
                 print("\n".join(task_lines(name, trials)), flush=True)
     print(sum_line(every))
-    sys.exit(int(not every or any(map(went_wrong, every))))
+    sys.exit(cut.status(not every or any(map(went_wrong, every))))
 
 
 def task_lines(name: str, trials: Sequence[Trial]) -> Iterator[str]:

@@ -12,7 +12,6 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,6 +19,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
+from benchmarks.cut_off import CutOff
 from benchmarks.driving.map_starts import Chart, chosen_charts, start_options, written_world
 from handcart.evaluation.trials.rig import build_rig
 from handcart.primitives.driving.locate import Locate
@@ -94,7 +94,7 @@ def main() -> None:
         every = chosen_charts(Path(folder), chosen)
         counts = {chart.name: Counter[str]() for chart in every}
         contacts, driven = 0, []
-        with suppress(KeyboardInterrupt):  # report the runs until then
+        with CutOff() as cut:  # report the runs until then
             for number in range(chosen.runs):
                 chart, seed = every[number % len(every)], chosen.first + number
                 print(
@@ -113,7 +113,7 @@ def main() -> None:
     print(f"{total.total()} starts: {shares}; {100 * total['right'] / max(1, total.total()):.1f} % right")
     seconds = time.process_time() - begun
     print(f"contacts {contacts}, driven {np.mean(driven or [0.0]):.1f} m on average; {seconds:.0f} CPU s")
-    raise SystemExit(1 if total["wrong"] or total["false Fail"] else 0)
+    raise SystemExit(cut.status(not driven or bool(total["wrong"] or total["false Fail"])))
 
 
 if __name__ == "__main__":

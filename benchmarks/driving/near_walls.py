@@ -14,13 +14,10 @@ from __future__ import annotations
 import argparse
 import math
 import re
-import signal
 import sys
 import time
 from collections import Counter
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
-from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
@@ -29,6 +26,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import Progress
 
+from benchmarks.cut_off import CutOff, each_result
 from handcart.robotics.numerics.arrays import FloatArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
@@ -242,22 +240,15 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="of the first world")
     parser.add_argument("--nearer", action="store_true", help="try places that `check` refuses")
     chosen = parser.parse_args()
-    for item in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(item, signal.default_int_handler)
     seeds = range(chosen.seed, chosen.seed + chosen.worlds)
     results = []
-    with (
-        ProcessPoolExecutor(chosen.jobs, get_context("spawn")) as pool,
-        Progress(console=Console(stderr=True)) as progress,
-    ):
+    with Progress(console=Console(stderr=True)) as progress, CutOff() as cut:
         bar = progress.add_task("worlds", total=len(seeds))
-        try:
-            for done in as_completed([pool.submit(try_world, seed, chosen.nearer) for seed in seeds]):
-                results.append(done.result())
-                progress.advance(bar)
-        except KeyboardInterrupt:
-            pool.shutdown(wait=False, cancel_futures=True)
+        for result in each_result(try_world, [(seed, chosen.nearer) for seed in seeds], chosen.jobs):
+            results.append(result)
+            progress.advance(bar)
     print(report(results, chosen.nearer))
+    raise SystemExit(cut.status(not results))
 
 
 if __name__ == "__main__":

@@ -12,7 +12,6 @@ from __future__ import annotations
 import argparse
 import math
 from collections import Counter
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.cut_off import CutOff
 from benchmarks.driving.cluttered import SLOW_MS, TASK_PATH, Trial, run_watched
 from benchmarks.driving.cluttered_robot import write_robot
 from benchmarks.driving.people_worlds import PeopleWorld, people_world, write_people_world
@@ -127,7 +127,7 @@ def main() -> None:
         f"{chosen.runs} runs on {chosen.backend}, {chosen.people} people at {chosen.walk:g} m/s", flush=True
     )
     results = []
-    with suppress(KeyboardInterrupt):  # report the runs until then
+    with CutOff() as cut:  # report the runs until then
         for seed in range(chosen.first, chosen.first + chosen.runs):
             result = try_people(people_world(seed, chosen.people, RADIUS_M), chosen)
             results.append(result)
@@ -141,7 +141,7 @@ def main() -> None:
                 flush=True,
             )
     print(people_report(results, chosen.speed))
-    raise SystemExit(int(any(item.by_robot or item.false for item in results)))
+    raise SystemExit(cut.status(not results or any(item.by_robot or item.false for item in results)))
 
 
 if __name__ == "__main__":

@@ -15,7 +15,6 @@ import argparse
 import math
 import time
 from collections import Counter
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -24,6 +23,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from benchmarks.cut_off import CutOff
 from handcart.backends.robot.robot import Robot
 from handcart.networks.events.events import Ended, Event
 from handcart.networks.events.run_observer import RunObserver
@@ -227,7 +227,7 @@ def main() -> None:
     chosen = words.parse_args()
     print(f"{chosen.worlds} worlds on {chosen.backend}", flush=True)
     results = []
-    with suppress(KeyboardInterrupt):  # report the runs until then
+    with CutOff() as cut:  # report the runs until then
         for seed in range(chosen.seed, chosen.seed + chosen.worlds):
             results.append(try_world(seed, chosen.backend))
             last = results[-1]
@@ -238,7 +238,7 @@ def main() -> None:
                 print("\n".join(f"  {reason}" for reason in last.reasons), flush=True)
     text, good = report(results, chosen.backend)
     print(text)
-    raise SystemExit(0 if good else 1)
+    raise SystemExit(cut.status(not good))
 
 
 if __name__ == "__main__":

@@ -3,20 +3,18 @@
 Every shipped task runs on simulated wheels whose errors (radius, tread, slip; outdoors the ground's) are 5
 times those of the robot's file, while the localizer assumes the file's. Every outcome is compared with the
 ground truth, within limits that don't grow with a claim. Prints a row for each task, and each false
-outcome with its seed; the status is 1 if there is one. After Ctrl-C it reports on the runs until then.
+outcome with its seed; the status is 1 if there is one. After Ctrl-C it reports on the runs until then,
+with status 130.
 """
 
 from __future__ import annotations
 
 import argparse
-import signal
 import sys
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
-from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -27,6 +25,7 @@ from ruamel.yaml import YAML
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
+from benchmarks.cut_off import CutOff, each_result
 from handcart.backends.description.ground_spec import GroundSpec
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.registry import make_backend
@@ -124,33 +123,24 @@ def report(runs: list[WorseRun]) -> Iterator[str]:
 
 
 def main() -> int:
-    """Print the report; 1 where an outcome is false."""
+    """Print the report, and return the exit status: 1 where an outcome is false or no run ended."""
     chosen = _arguments()
-    for item in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(item, signal.default_int_handler)
     todo = [
         (name, seed)
         for seed in range(chosen.seed, chosen.seed + chosen.seeds)
         for name in task_files(chosen.task)
     ]
     runs: list[WorseRun] = []
-    with (
-        ProcessPoolExecutor(chosen.jobs, get_context("spawn")) as pool,
-        Progress(console=Console(stderr=True)) as progress,
-    ):
+    calls = [(*item, chosen.times, chosen.backend) for item in todo]
+    with Progress(console=Console(stderr=True)) as progress, CutOff() as cut:
         bar = progress.add_task("runs", total=len(todo))
-        try:
-            for done in as_completed(
-                [pool.submit(run_worse, *item, chosen.times, chosen.backend) for item in todo]
-            ):
-                runs.append(done.result())
-                progress.advance(bar)
-                if chosen.verbose:
-                    progress.console.print(runs[-1], markup=False)
-        except KeyboardInterrupt:
-            pool.shutdown(wait=False, cancel_futures=True)
+        for run in each_result(run_worse, calls, chosen.jobs):
+            runs.append(run)
+            progress.advance(bar)
+            if chosen.verbose:
+                progress.console.print(run, markup=False)
     print("\n".join(report(runs)))
-    return int(any(run.false for run in runs))
+    return cut.status(not runs or any(run.false for run in runs))
 
 
 def _arguments() -> argparse.Namespace:

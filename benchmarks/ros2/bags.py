@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from benchmarks.cut_off import CUT_OFF_STATUS, CutOff
 from handcart.backends.backend import RobotFault
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
@@ -39,7 +40,6 @@ from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from handcart.files.errors import InputError
 
 from .bag_recorder import BagRecorder, Spoil
-from .cut_off import CUT_OFF_STATUS, CutOff
 
 STORAGES = ("SQLITE3", "MCAP")
 TOPICS = {

@@ -18,11 +18,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.cut_off import CUT_OFF_STATUS, CutOff
 from handcart.backends.ros2.bench.bench_faults import ACTION_KINDS, FAULT_KINDS, TopicFault
 from handcart.backends.ros2.bench.ros_bench import COMMAND_TIMEOUT_S
 from handcart.backends.ros2.wire.ros_link import RosLink
 
-from .cut_off import CUT_OFF_STATUS, CutOff
 from .judged import Lateness, Tally, Verdict
 from .wire_rig import (
     Ended,

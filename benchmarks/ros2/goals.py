@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.cut_off import CUT_OFF_STATUS, CutOff
 from handcart.backends.backend import RobotFault
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.gripper import Gripper
@@ -40,7 +41,6 @@ from handcart.backends.ros2.wire.ros_link import RosLink
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from handcart.files.errors import HandcartError
 
-from .cut_off import CUT_OFF_STATUS, CutOff
 from .judged import LoopWatch, Tally, Verdict
 from .wire_rig import (
     FIRST_PERIODS,

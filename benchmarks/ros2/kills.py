@@ -16,9 +16,9 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from benchmarks.cut_off import CUT_OFF_STATUS, CutOff
 from handcart.backends.ros2.bench.ros_bench import COMMAND_TIMEOUT_S
 
-from .cut_off import CUT_OFF_STATUS, CutOff
 from .judged import Tally, Verdict
 from .wire_rig import (
     Ended,

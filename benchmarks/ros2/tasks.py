@@ -18,12 +18,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from benchmarks.cut_off import CUT_OFF_STATUS
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.coordination.interrupts import Interrupts
 from handcart.networks.runs.run_options import RunOptions
 from handcart.tasks.task_names import task_path
-
-from .cut_off import CUT_OFF_STATUS
 
 TASK_NAMES = ("return_book", "stack_blocks", "drive_map", "fetch_and_carry")
 MIN_SUCCESS_RATIO = 0.95

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -11,11 +12,11 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.cut_off import CUT_OFF_STATUS, CutOff, each_result
 from benchmarks.ros2 import tasks
-from benchmarks.ros2.cut_off import CUT_OFF_STATUS, CutOff
 from handcart.networks.coordination.interrupts import Interrupts
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -29,12 +30,32 @@ def test_a_row_that_is_cut_off_keeps_its_trials(number: signal.Signals) -> None:
                 time.sleep(5.0)
     assert cut.came and done == 3
     assert cut.words(done, 20) == " (cut off after 3 of 20)"
+    assert cut.status(is_wrong=True) == CUT_OFF_STATUS
     assert signal.getsignal(signal.SIGTERM) is before
     with CutOff() as whole:
         pass
     assert whole.words(20, 20) == ""
+    assert (whole.status(is_wrong=True), whole.status(is_wrong=False)) == (1, 0)
     with pytest.raises(ValueError, match="true error"), CutOff():
         raise ValueError("true error")
+
+
+def test_processes_of_a_loop_that_is_cut_off_are_not_waited_for() -> None:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    found, begun = [], time.monotonic()
+    with CutOff() as cut:
+        for result in each_result(sleep, [(0.0,), (100.0,), (100.0,)], 2):
+            found.append(result)
+            os.kill(os.getpid(), signal.SIGINT)
+    assert cut.came and found == [0.0]
+    assert time.monotonic() - begun < 60.0
+    assert multiprocessing.active_children() == []
+
+
+def sleep(duration_s: float) -> float:
+    """Wait, and return how long."""
+    time.sleep(duration_s)
+    return duration_s
 
 
 def test_an_interrupted_run_ends_the_tasks_and_is_not_counted(
