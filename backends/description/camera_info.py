@@ -22,6 +22,8 @@ from handcart.robotics.perception.cameras.lens_fold import LensKind
 Pixels = Annotated[int, Field(gt=0, le=20_000)]
 MAX_OFF_AXIS_DEG = 75  # the field of view is computed in a plane, which grows without bound toward 90
 FOLD_PX = 0.5
+RIM_SHARE = 0.05
+"""Width of a picture's rim, as a share of its width or height, in which no optical axis is."""
 COEFFICIENT_COUNTS = {
     "plumb_bob": (4, 5),
     "rational_polynomial": (8,),
@@ -71,6 +73,13 @@ class CameraInfo(FileModel):
             )
         if k[0] <= 0.0 or k[4] <= 0.0 or k[8] != 1.0 or any(k[at] != 0.0 for at in (3, 6, 7)):
             raise ValueError("camera_matrix is not [fx, 0, cx, 0, fy, cy, 0, 0, 1] with fx, fy above 0")
+        if not self._is_centre_inside():
+            size = f"a picture of {self.image_width} x {self.image_height}"
+            wrong = f"camera_matrix has its centre at ({k[2]:g}, {k[5]:g}) px, in {size} px"
+            raise ValueError(
+                f"{wrong}; allowed: inside it, not at its rim; image_width and image_height are those of the "
+                "calibration, and the centre is in pixels"
+            )
         count, allowed = len(self._coefficients), COEFFICIENT_COUNTS[self.distortion_model]
         if count > max(allowed):
             wrong = f"{self.distortion_model} has {count} coefficients, zeros at their end aside"
@@ -86,6 +95,15 @@ class CameraInfo(FileModel):
         for key in document.data:
             if (right := nearest(key, meant, MISSPELLED)) and key not in type(self).model_fields:
                 yield document.finding((key,), f"unknown key {key!r}; did you mean {right!r}?", at_key=True)
+
+    def _is_centre_inside(self) -> bool:
+        """Return whether the optical axis meets the picture farther than `RIM_SHARE` from its edges.
+
+        Otherwise the matrix is one of another picture size, or in shares of the picture.
+        """
+        k = self.camera_matrix.data
+        shares = k[2] / self.image_width, k[5] / self.image_height
+        return all(RIM_SHARE <= share <= 1.0 - RIM_SHARE for share in shares)
 
     @property
     def _coefficients(self) -> tuple[float, ...]:

@@ -103,6 +103,12 @@ def test_fisheye_named_by_either_key_is_a_fisheye(tmp_path: Path, key: str) -> N
         ("[601.5, 0,", "[601.5, -0.67,", "camera_matrix has a skew of -0.67 px; allowed: 0"),
         ("[601.5", "[0", "camera_matrix is not [fx, 0, cx, 0, fy, cy, 0, 0, 1]"),
         ("image_width: 640", "image_width: 0", "image_width"),
+        (
+            "image_width: 640\nimage_height: 480",
+            "image_width: 320\nimage_height: 240",
+            "camera_matrix has its centre at (319.2, 241.7) px, in a picture of 320 x 240 px; allowed",
+        ),
+        ("319.2, 0, 602.5, 241.7", "0.499, 0, 602.5, 0.504", "has its centre at (0.499, 0.504) px"),
         ("distortion_coefficients", "distortion_coeficients", "hand.yaml:6:1: unknown key 'distortion_coef"),
         ("image_width", "image_widht", "unknown key 'image_widht'; did you mean 'image_width'?"),
         ("[-0.28, 0.09,", "[-2.8, 0.09,", "the lens model folds back within the picture"),
