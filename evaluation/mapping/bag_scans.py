@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from handcart.evaluation.offline_localization.bags.bag_messages import Bag, BagError, BagMessage, read_bag
+from handcart.evaluation.offline_localization.checks.stamps import check_stamps
 from handcart.files.errors import FileError, Finding, InputError
 from handcart.files.extras import lack
 from handcart.files.suggest import listed, suggest
@@ -18,6 +19,7 @@ from handcart.robotics.geometry.pose2 import Pose2, heading_of
 from handcart.robotics.navigation.mapping.scan_log import ScanLog
 from handcart.robotics.numerics.arrays import FloatArray
 
+from .bag_angles import angle_notes, angles_in_words, has_usable_angles, scan_arrays
 from .odometry_track import poses_at
 
 SCAN, ODOMETRY, TRANSFORMS = "sensor_msgs/msg/LaserScan", "nav_msgs/msg/Odometry", "tf2_msgs/msg/TFMessage"
@@ -25,8 +27,6 @@ OLD_TRANSFORMS = "tf/msg/tfMessage"
 ODOM_FRAMES = ("odom", "odom_combined", "odometry")
 MAX_COORDINATE_M = 1e6
 """Distance from the origin beyond which poses of the odometry are ignored, such as coordinates of UTM."""
-MAX_COUNT_CHANGE = 3
-"""Maximum difference in beams between scans of one lidar; some drivers deliver one more or less."""
 
 
 def read_bag_scans(path: Path, scan_topic: str | None = None) -> ScanLog:
@@ -50,10 +50,10 @@ def read_bag_scans(path: Path, scan_topic: str | None = None) -> ScanLog:
         bag = read_bag(path, {SCAN, ODOMETRY, TRANSFORMS, OLD_TRANSFORMS})
     except BagError as error:
         raise FileError([Finding(str(path), 0, 0, str(error))]) from None
-    scans = _scans(path, bag, scan_topic)
-    transforms = _transforms(bag)
-    times, track, base, source = _odometry(path, bag, transforms)
     notes = [*bag.notes, *_unreadable(bag)]
+    scans = _on_one_clock(path, _scans(path, bag, scan_topic), notes)
+    transforms = _transforms(bag)
+    times, track, base, source = _odometry(path, bag, transforms, notes)
     frame = str(scans[0].content.header.frame_id).lstrip("/")
     mount, is_flipped, words = _mount(transforms, base, frame)
     notes += [f"odometry: {source}", words]
@@ -115,8 +115,26 @@ def _transforms(bag: Bag) -> dict[str, list[tuple[float, str, Pose2, bool]]]:
     return found
 
 
+def _on_one_clock(path: Path, messages: list[BagMessage], notes: list[str]) -> list[BagMessage]:
+    """Return the messages of a topic whose stamps can be used, and add notes about the others.
+
+    Raises:
+        FileError: the stamps jump for good, as in a bag that was recorded over a restart of the simulation or
+            of a bag that is played in a loop, or most of them are zero.
+    """
+    stamps = np.array([_stamp(message.content.header) for message in messages])
+    if (np.diff(stamps) >= 0.0).all():
+        return messages
+    received = np.array([message.received for message in messages])
+    report = check_stamps(messages[0].topic, stamps, received)
+    if report.unusable:
+        raise _refused(path, f"{report.unusable}; allowed: stamps of one clock that rises; cut the bag there")
+    notes += report.notes
+    return [messages[row] for row in np.flatnonzero(report.used)]
+
+
 def _odometry(
-    path: Path, bag: Bag, transforms: dict[str, list[Any]]
+    path: Path, bag: Bag, transforms: dict[str, list[Any]], notes: list[str]
 ) -> tuple[FloatArray, FloatArray, str, str]:
     """Return the odometry in a bag.
 
@@ -124,6 +142,7 @@ def _odometry(
         path: path of the bag, named in errors.
         bag: its messages.
         transforms: transforms of each frame in tf.
+        notes: receives messages about tolerable faults of the stamps.
 
     Returns:
         Times (n,) in [s]; odom_T_base (n, 3), x, y in [m] and heading in [rad]; the base's frame; and their
@@ -135,6 +154,7 @@ def _odometry(
     topic = next((topic for topic, kind in bag.topics.items() if kind == ODOMETRY), None)
     messages = [message for message in bag.messages if message.topic == topic]
     if len(messages) > 1:
+        messages = _on_one_clock(path, messages, notes)
         poses = [_planar(m.content.pose.pose.position, m.content.pose.pose.orientation) for m in messages]
         times = [_stamp(message.content.header) for message in messages]
         base = str(messages[0].content.child_frame_id).lstrip("/") or "base_link"
@@ -186,13 +206,15 @@ def _log(
     notes: list[str],
 ) -> ScanLog:
     mount, is_flipped = mounted
-    usual = Counter(len(message.content.ranges) for message in scans).most_common(1)[0][0]
-    kept = [m for m in scans if abs(len(m.content.ranges) - usual) <= MAX_COUNT_CHANGE]
-    if usual < 2 or len(kept) < 2:
-        raise _refused(path, f"scans of {usual} beams; needed: at least two scans of at least two")
+    topic, messages = scans[0].topic, [message.content for message in scans]
+    kept = [message for message in messages if has_usable_angles(message)]
+    if len(kept) < 2:
+        allowed = "at least two beams, each at another angle in [rad], within one turn"
+        raise _refused(path, f"{topic}: {angles_in_words(messages[0])}; allowed: {allowed}")
     if len(kept) < len(scans):
-        notes.append(f"{len(scans) - len(kept)} scans have other beams than most; they are skipped")
-    times = np.array([_stamp(message.content.header) for message in kept])
+        notes.append(f"{len(scans) - len(kept)} scans have no beams or no usable angles; they are skipped")
+    notes += [f"{topic}: {words}" for words in angle_notes(kept)]
+    times = np.array([_stamp(message.header) for message in kept])
     poses, near = poses_at(times, *odometry)
     rows = np.flatnonzero(near)[np.argsort(times[near], kind="stable")]
     rows = rows[np.concatenate([[True], np.diff(times[rows]) > 0.0])] if len(rows) else rows
@@ -200,24 +222,8 @@ def _log(
         notes.append(f"{len(times) - len(rows)} scans have no odometry within a second, or a repeated time")
     if len(rows) < 2:
         raise _refused(path, "no two scans with odometry near their times; needed: one clock for both")
-    first = next(m.content for m in kept if len(m.content.ranges) == usual)
-    angles = float(first.angle_min) + float(first.angle_increment) * np.arange(usual, dtype=np.float64)
-    ranges = np.array([_ranges(kept[row].content, usual) for row in rows])
-    if is_flipped:
-        angles, ranges = -angles[::-1], ranges[:, ::-1]
-    if not (np.isfinite(angles).all() and np.isfinite(ranges).any()):
+    angles, ranges = scan_arrays([kept[row] for row in rows], is_flipped)
+    if not np.isfinite(ranges).any():
         raise _refused(path, "no scan has a reading; needed: ranges between range_min and range_max")
-    return ScanLog(
-        times[rows] - times[rows[0]], poses[rows], angles, ranges, mount, float(first.range_max), tuple(notes)
-    )
-
-
-def _ranges(scan: Any, count: int) -> FloatArray:
-    """Return the ranges (count,) of a scan by REP 117; a beam that is missing at the end is unknown."""
-    raw = np.asarray(scan.ranges, dtype=np.float64)[:count]
-    ranges = np.full(count, math.nan)
-    ranges[: len(raw)] = raw
-    with np.errstate(invalid="ignore"):
-        good = (ranges >= scan.range_min) & (ranges <= scan.range_max) & (ranges > 0.0)
-        is_open = np.isposinf(ranges)
-    return np.where(good, ranges, np.where(is_open, math.inf, math.nan))
+    reach = float(kept[rows[0]].range_max)
+    return ScanLog(times[rows] - times[rows[0]], poses[rows], angles, ranges, mount, reach, tuple(notes))

@@ -25,7 +25,7 @@ class ScanLog(NamedTuple):
     odometry: FloatArray
     """(n, 3) odom_T_base: x, y in [m], heading in [rad]."""
     angles: FloatArray
-    """(b,) of the beams in the sensor frame, in [rad]."""
+    """Of the beams in the sensor frame, in [rad]: (b,) if all scans have the same ones, otherwise (n, b)."""
     ranges: FarArray
     """(n, b) in [m]; infinity where nothing is within the reach, NaN where nothing is known."""
     mount: Pose2
@@ -78,7 +78,8 @@ def keyframe_rows(log: ScanLog) -> list[int]:
 def keyframe(log: ScanLog, row: int) -> Keyframe:
     """Return scan and odometry of one row of a log as a keyframe, a node of the map's pose graph."""
     odometry = Pose2(*log.odometry[row])
-    return keyframe_of(row, odometry, (log.angles, log.ranges[row]), log.mount, log.reach)
+    angles = log.angles if log.angles.ndim == 1 else log.angles[row]
+    return keyframe_of(row, odometry, (angles, log.ranges[row]), log.mount, log.reach)
 
 
 def keyframe_of(

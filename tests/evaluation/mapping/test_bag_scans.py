@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -29,11 +30,21 @@ def turned(heading: float, is_flipped: bool) -> tuple[float, float, float, float
     return (w, z, 0.0, 0.0) if is_flipped else (0.0, 0.0, z, w)
 
 
+Beams = tuple[float, float, float, Any]
+"""angle_min, angle_max, angle_increment and ranges of a scan."""
+
+
 def write_bag(
-    path: Path, is_flipped: bool, east: float = 0.0, lengths: tuple[float, ...] = (1.0, 1.0, 1.0)
+    path: Path,
+    is_flipped: bool,
+    east: float = 0.0,
+    lengths: tuple[float, ...] = (1.0, 1.0, 1.0),
+    scans: tuple[Beams, ...] | None = None,
+    clock: Callable[[float], float] = float,
 ) -> None:
     """Write two scans, at 0.5 s and 1.0 s, odometry at 0, 1 and 2 s, `east` of its origin in [m], and the
-    mounting on tf_static; `lengths` are those of the odometry's quaternions.
+    mounting on tf_static; `lengths` are those of the odometry's quaternions. More `scans` follow each 0.1 s,
+    and `clock` gives the stamp of a time.
     """
     from rosbags.rosbag2 import Writer
     from rosbags.typesys import Stores, get_typestore
@@ -41,7 +52,8 @@ def write_bag(
     store = get_typestore(Stores.ROS2_HUMBLE)
     kinds: Any = store.types
 
-    def header(time: float, frame: str) -> Any:
+    def header(at: float, frame: str) -> Any:
+        time = clock(at)
         stamp = kinds["builtin_interfaces/msg/Time"](int(time), round((time % 1) * 1e9))
         return kinds["std_msgs/msg/Header"](stamp, frame)
 
@@ -77,8 +89,11 @@ def write_bag(
             write(1, float(when), kinds[names[1]](header(float(when), "odom"), "base", there, still))
         # Seen from above, the beams of a lidar that is upside down run clockwise.
         angles, ranges = (-ANGLES[::-1], RANGES[:, ::-1]) if is_flipped else (ANGLES, RANGES)
-        for time, row in zip((0.5, 1.0), ranges, strict=True):
-            limits = float(angles[0]), float(angles[-1]), float(angles[1] - angles[0]), 0.0, 0.1, 0.05, 12.0
+        ends = float(angles[0]), float(angles[-1]), float(angles[1] - angles[0])
+        all_scans = scans or tuple((*ends, row) for row in ranges)
+        times = (0.5, 1.0, *(1.0 + 0.1 * k for k in range(1, len(all_scans) - 1)))
+        for time, beams in zip(times, all_scans, strict=True):
+            limits, row = (*beams[:3], 0.0, 0.1, 0.05, 12.0), np.asarray(beams[3])
             content = header(time, "laser"), *limits, row.astype(np.float32), np.zeros(0, np.float32)
             write(0, time, kinds[names[0]](*content))
 
@@ -124,3 +139,57 @@ def test_quaternions_of_any_length_are_turns_and_zeros_are_none(tmp_path: Path) 
     write_bag(tmp_path / "empty", False, lengths=(0.0, 1.0, 1.0))
     assert read_bag_scans(tmp_path / "empty").odometry[-1] == pytest.approx(expected.odometry[-1])
     assert read_bag_scans(tmp_path / "empty").odometry[0] == pytest.approx(ODOMETRY[1])
+
+
+def test_each_scan_is_read_by_its_own_angles(tmp_path: Path) -> None:
+    """As of drivers that spread whatever a turn had over the circle, from an angle of its own."""
+    scans = (
+        (-3.0, 3.0, 1.0, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]),
+        (-2.9, 3.1, 0.5, [*np.linspace(1.0, 7.0, 13)]),
+    )
+    write_bag(tmp_path / "bag", False, scans=scans)
+    log = read_bag_scans(tmp_path / "bag")
+    for row, (first, _, step, ranges) in enumerate(scans):
+        known = np.isfinite(log.ranges[row])
+        assert log.ranges[row][known] == pytest.approx(ranges)
+        assert log.angles[row][known] == pytest.approx(first + step * np.arange(len(ranges)))
+    assert "/scan: scans of 7 to 13 beams; each is read by its own angles" in log.notes
+
+
+@pytest.mark.parametrize(
+    ("ends", "words"),
+    [
+        ((-3.0, 3.0, -1.0), "2 scans have an angle_increment that leads away from angle_max"),
+        ((-3.0, 3.0, 0.5), "the last beam is 6 beams short of angle_max; angle_increment is taken as it is"),
+        ((-3.0, 0.0, 1.0), "the last beam is 3 beams past angle_max"),
+        ((-3.0, 4.0, 1.0), ""),
+        ((0.0, 0.0, 1.0), ""),
+        ((3.0, -3.0, -1.0), ""),
+    ],
+)
+def test_angles_that_contradict_each_other_are_reported(
+    tmp_path: Path, ends: tuple[float, float, float], words: str
+) -> None:
+    beams = (*ends, np.linspace(1.0, 2.0, 7))
+    write_bag(tmp_path / "bag", False, scans=(beams, beams))
+    notes = [note for note in read_bag_scans(tmp_path / "bag").notes if note.startswith("/scan: ")]
+    assert [words in note for note in notes] == ([True] if words else [])
+
+
+@pytest.mark.parametrize("step", [0.0, 30.0, math.nan])
+def test_scans_without_usable_angles_are_refused(tmp_path: Path, step: float) -> None:
+    """An increment that was not filled in, one in degrees."""
+    beams = (-3.0, 3.0, step, np.linspace(1.0, 2.0, 7))
+    write_bag(tmp_path / "bag", False, scans=(beams, beams))
+    with pytest.raises(FileError, match=r"/scan: 7 beams from -3 rad, angle_increment .* within one turn"):
+        read_bag_scans(tmp_path / "bag")
+
+
+def test_stamps_that_begin_again_are_refused(tmp_path: Path) -> None:
+    """As in a bag that was recorded while a simulation was restarted, or another bag played in a loop."""
+    beams = (-1.0, 1.5, 0.5, RANGES[0])
+    write_bag(tmp_path / "bag", False, scans=(beams,) * 14, clock=lambda time: time % 1.55)
+    with pytest.raises(
+        FileError, match=r"/scan: stamps jump by -1\.6 s after 1\.\d s; .* one clock that rises"
+    ):
+        read_bag_scans(tmp_path / "bag")
