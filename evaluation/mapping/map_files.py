@@ -7,6 +7,11 @@ import math
 import numpy as np
 
 from handcart.robotics.navigation.mapping.map_building import BuiltMap
+from handcart.robotics.navigation.mapping.odometry_agreement import (
+    OdometryAgreement,
+    disagreement_in_words,
+    odometry_agreement,
+)
 from handcart.robotics.navigation.mapping.scan_log import ScanLog
 
 LOOPS_FILE = "loops.csv"
@@ -40,9 +45,14 @@ def position_sigmas(built: BuiltMap) -> np.ndarray:
     return sigmas
 
 
+def agreement_of(log: ScanLog, built: BuiltMap) -> OdometryAgreement:
+    """Return how well the motions between the map's keyframes agree with the odometry of its log."""
+    return odometry_agreement(log.odometry[built.rows], built.poses)
+
+
 def figures(log: ScanLog, built: BuiltMap) -> dict[str, object]:
     """Return figures about a built map for `summary.json`: scans, loop closures, uncertainty and size."""
-    sigmas, rows = position_sigmas(built), built.counts.hits.shape
+    sigmas, rows, agreement = position_sigmas(built), built.counts.hits.shape, agreement_of(log, built)
     residuals = [loop.match.sigma for loop in built.accepted if loop.match is not None]
     inliers = [loop.match.inliers for loop in built.accepted if loop.match is not None]
     return {
@@ -62,8 +72,17 @@ def figures(log: ScanLog, built: BuiltMap) -> dict[str, object]:
         "position_sigma_m": {"median": _median(sigmas.tolist()), "max": round(float(sigmas.max()), 4)},
         "size_m": [round(count * built.counts.resolution, 3) for count in rows[::-1]],
         "resolution_m": built.counts.resolution,
-        "notes": list(log.notes),
+        "odometry": {
+            "turn_ratio": _rounded(agreement.turn_ratio),
+            "travel_ratio": _rounded(agreement.travel_ratio),
+            "off_deg": _rounded(agreement.off_rad and math.degrees(agreement.off_rad)),
+        },
+        "notes": [*log.notes, *disagreement_in_words(agreement)],
     }
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else round(value, 4)
 
 
 def _median(values: list[float]) -> float | None:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from handcart.robotics.navigation.mapping.map_building import BuiltMap
+from handcart.robotics.navigation.mapping.odometry_agreement import disagreement_in_words
 from handcart.robotics.navigation.mapping.scan_log import ScanLog
 
-from .map_files import position_sigmas
+from .map_files import agreement_of, position_sigmas
 
 MANY_UNMATCHED = 0.1
 """Share of motions without a match from which the map is doubtful."""
@@ -20,6 +21,7 @@ def in_words(log: ScanLog, built: BuiltMap) -> str:
         f"{len(log.times)} scans over {log.distance:.1f} m in {duration:.0f} s; {len(built.rows)} keyframes",
         *_loop_lines(built),
         *_unmatched_lines(built),
+        *disagreement_in_words(agreement_of(log, built)),
     ]
     sigmas = position_sigmas(built)
     lines.append(
