@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -28,6 +28,8 @@ _ALIASES = {
 }
 _DIGITS, _POINT, _LETTERS = range(10), 10, range(11, 37)
 _UNLIKELY = 1e-3
+USUAL_LETTERS, USUAL_DECIMALS = 3, 4
+USUAL_FORMS = frozenset((decimals, USUAL_LETTERS) for decimals in range(USUAL_DECIMALS + 1))
 _BEAM = 12
 
 
@@ -43,7 +45,7 @@ class Decoded(NamedTuple):
 
 
 class CallNumberDecoder:
-    """Decoder that finds the most likely call number `ddd[.d...] LLL` in the outputs of a text recogniser
+    """Decoder that finds the most likely call number `ddd[.d...] L...` in the outputs of a text recogniser
     (CTC).
 
     The method is prefix beam search, which keeps the most likely beginnings of the text at each step (Graves
@@ -51,13 +53,13 @@ class CallNumberDecoder:
     numbers are kept. If the outputs allow no call number, there is no result.
     """
 
-    def __init__(self, characters: Sequence[str], letters: int = 3, max_decimals: int = 4) -> None:
+    def __init__(self, characters: Sequence[str], forms: Collection[tuple[int, int]] = USUAL_FORMS) -> None:
         """Create a decoder.
 
         Args:
             characters: character of each of the recogniser's output columns; column 0 is the blank.
-            letters: number of letters of a call number.
-            max_decimals: maximum number of digits after its decimal point.
+            forms: allowed pairs of the number of digits after the decimal point, and the number of letters.
+                Where both vary independently, "61 VU" can't be told from "6 IVU", as a 1 looks like an I.
         """
         columns = {character: i for i, character in enumerate(characters)}
         self._groups = [
@@ -65,7 +67,8 @@ class CallNumberDecoder:
             for symbol in CALL_NUMBER_SYMBOLS
         ]
         self._blank = [0] + [columns[c] for c in (" ", "\u3000") if c in columns]
-        self._letters, self._max_decimals = letters, max_decimals
+        self._forms = frozenset(forms)
+        self._max_decimals, self._max_letters = (max(counts) for counts in zip(*self._forms, strict=True))
 
     def decode(self, probabilities: SingleArray) -> Decoded | None:
         """Return the likeliest call number, or None if no valid call number is likely enough.
@@ -87,7 +90,8 @@ class CallNumberDecoder:
         text = "".join(CALL_NUMBER_SYMBOLS[i] for i in best)
         quality = min(1.0, finished[best]) ** (1.0 / len(best))
         confidence = finished[best] / sum(finished.values()) * quality
-        return Decoded(f"{text[: -self._letters]} {text[-self._letters :]}", float(confidence))
+        number = text.rstrip(CALL_NUMBER_SYMBOLS[_LETTERS.start :])
+        return Decoded(f"{number} {text[len(number) :]}", float(confidence))
 
     def _step(
         self, beams: dict[tuple[int, ...], tuple[float, float]], row: FloatArray, blank: float
@@ -112,13 +116,14 @@ class CallNumberDecoder:
         digits = len(prefix) - letters
         if letters or symbol in _LETTERS:
             complete = digits == 3 or (digits > 4 and prefix[3] == _POINT)
-            return symbol in _LETTERS and complete and letters < self._letters
+            return symbol in _LETTERS and complete and letters < self._max_letters
         if len(prefix) < 3:
             return symbol in _DIGITS
         return symbol == _POINT if len(prefix) == 3 else symbol in _DIGITS and digits < 4 + self._max_decimals
 
     def _finished(self, prefix: tuple[int, ...]) -> bool:
-        return len(prefix) > self._letters and prefix[-self._letters] in _LETTERS
+        letters = sum(symbol in _LETTERS for symbol in prefix)
+        return (max(0, len(prefix) - letters - 4), letters) in self._forms
 
 
 def _add(

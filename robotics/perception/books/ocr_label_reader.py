@@ -12,7 +12,11 @@ import numpy as np
 
 from handcart.robotics.numerics.arrays import ByteArray, SingleArray
 from handcart.robotics.perception.books.call_number import CallNumber
-from handcart.robotics.perception.books.call_number_decoder import CallNumberDecoder
+from handcart.robotics.perception.books.call_number_decoder import (
+    USUAL_DECIMALS,
+    USUAL_FORMS,
+    CallNumberDecoder,
+)
 from handcart.robotics.perception.books.label_reader import LabelReader, LabelReading
 
 if TYPE_CHECKING:
@@ -31,6 +35,8 @@ class OcrLabelReader(LabelReader):
     The complete pipeline of the library rapidocr would also run a text detector, which takes four times as
     long, and would choose among 18,000 characters. Here only its recogniser is run, on `threads` threads of
     the processor. The model is loaded at the first reading, and shared by all readers.
+
+    Call numbers are decoded with as many letters as those of the catalogue have; without a catalogue with 3.
     """
 
     def __init__(self, catalogue: Sequence[CallNumber] | None = None, threads: int = 1) -> None:
@@ -57,7 +63,20 @@ class OcrLabelReader(LabelReader):
     @cached_property
     def _decoder(self) -> CallNumberDecoder:
         known = self._session.get_modelmeta().custom_metadata_map["character"].splitlines()
-        return CallNumberDecoder(["", *known, " "])
+        return CallNumberDecoder(["", *known, " "], _forms(self._catalogue or ()))
+
+
+def _forms(catalogue: Sequence[CallNumber]) -> frozenset[tuple[int, int]]:
+    """Return the numbers of decimals and letters that labels may have, by the call numbers of a catalogue.
+
+    If all of them have equally many letters, other numbers of decimals are read as well.
+    """
+    forms = frozenset((len(number.decimals), len(number.letters)) for number in catalogue)
+    letters = {letters for _, letters in forms}
+    if len(letters) != 1:
+        return forms or USUAL_FORMS
+    decimals = max(USUAL_DECIMALS, *(decimals for decimals, _ in forms))
+    return frozenset((count, max(letters)) for count in range(decimals + 1))
 
 
 @lru_cache(maxsize=2)

@@ -53,3 +53,10 @@ def test_doubt_lowers_confidence() -> None:
     letter = outputs[6]
     letter[CHARACTERS.index("C")] = letter[CHARACTERS.index("G")]
     assert _decoded(outputs).confidence < 0.6
+
+
+def test_other_numbers_of_letters_are_read_where_they_are_known() -> None:
+    decoder = CallNumberDecoder(CHARACTERS, {(0, 2), (6, 4)})
+    for text in ("512 NA", "512.123456 NAGA"):
+        decoded = decoder.decode(_outputs(text))
+        assert decoded is not None and decoded.text == text and decoded.confidence > 0.9
