@@ -61,8 +61,13 @@ class GoalStream:
         self.sender, self.name, self.kind = sender, name, kind
         self._answer, self._clock, self._may_miss = answer, clock, may_miss
         self._watched: list[_Watched] = []
+        self._servers: frozenset[bytes] | None = None
         self.trouble = ""
         """Fault of a goal in words; "" without a fault."""
+
+    def begin(self) -> None:
+        """Note the servers of the action before the first goal."""
+        self._servers = self.sender.servers()
 
     def send(self, goal: Any) -> None:
         """Send a goal to the robot's controller; it replaces the goal that was sent before."""
@@ -94,6 +99,16 @@ class GoalStream:
         if not self.sender.others_goal():
             return ""
         return f"{self.name}: a goal of another node is executed; allowed: goals of this program alone"
+
+    @property
+    def restart(self) -> str:
+        """Description of a server that appeared since `begin`; "" without one.
+
+        Goals of a server that has died never end for their sender.
+        """
+        if self._servers is None or not self.sender.servers() - self._servers:
+            return ""
+        return f"{self.name}: another server of the action has appeared; was its controller started again?"
 
     def forget(self) -> None:
         """Stop monitoring the goals that were sent, without cancelling them, and discard the fault that was

@@ -14,6 +14,7 @@ from handcart.backends.live.sensor_errors import StaleSensor
 from handcart.files.suggest import suggest
 from handcart.robotics.numerics.arrays import FloatArray
 
+from .wire.alternation import AlternationWatch
 from .wire.topic_sensor import TopicSensor
 
 KEPT_STATES = 50
@@ -24,6 +25,10 @@ JUMP_FACTOR = 3.0
 """Ratio of the motion between two messages to that at top speed, above which it is a jump."""
 JUMP_SLACK = 0.1
 """Motion added to the limit of a jump that `JUMP_FACTOR` sets, in [rad] or [m]."""
+MAX_ALTERNATION = 0.01
+"""Deviation of a position from those before and after it, in [rad] or [m], up to which one node may have sent
+all of them.
+"""
 
 
 class JointStates(TopicSensor):
@@ -53,7 +58,8 @@ class JointStates(TopicSensor):
         self._taken_s: dict[str, float] = {}
         self._top_speeds: dict[str, float] = {}
         self.jumped = ""
-        """Joint that moved faster than it can, as text; "" if none did."""
+        """Joint that moved faster than it can, or to and fro between messages, as text; "" if none did."""
+        self._alternations: dict[str, AlternationWatch] = {}
         self._history: deque[tuple[float, dict[str, float]]] = deque(maxlen=KEPT_STATES)
 
     def limit(self, names: Sequence[str], speeds: FloatArray) -> None:
@@ -65,6 +71,9 @@ class JointStates(TopicSensor):
             speeds: (n,) in [rad/s] or [m/s].
         """
         self._top_speeds = dict(zip(names, speeds.tolist(), strict=True))
+        for name, speed in self._top_speeds.items():
+            limit = MAX_ALTERNATION if math.isfinite(speed) else math.inf  # it may be wrapped at 180 deg
+            self._alternations[name] = AlternationWatch((limit,))
 
     @property
     @override
@@ -135,12 +144,14 @@ class JointStates(TopicSensor):
         for stamps in (self._order_s, self._stamps_s):
             stamps.update({name: stamp + step_s for name, stamp in stamps.items()})
         self._history.clear()
+        self._forget_alternations()
 
     @override
     def forget(self) -> None:
         super().forget()
         self._order_s, self._stamps_s, self._taken_s, self.jumped = {}, {}, {}, ""
         self._history.clear()
+        self._forget_alternations()
 
     @override
     def _wrong(self, message: Any) -> str:
@@ -176,4 +187,15 @@ class JointStates(TopicSensor):
                     f"{self.source.topic}: the joint {name!r} jumps by {step:.3g} rad or m in {seconds:.3g}"
                     f" s; allowed: {most:.3g}; do two nodes send it?"
                 )
+        watch = self._alternations.get(name)
+        found = None if watch is None else watch.note(stamp, (position,))
+        if found is not None and not self.jumped:
+            self.jumped = (
+                f"{self.source.topic}: the joint {name!r} goes to and fro by {found.size:.2g} rad or m"
+                f" between its messages; allowed: {MAX_ALTERNATION:g}. Do two nodes send it?"
+            )
         self._positions[name], self._stamps_s[name], self._taken_s[name] = position, stamp, self._now
+
+    def _forget_alternations(self) -> None:
+        for watch in self._alternations.values():
+            watch.forget()

@@ -59,6 +59,11 @@ def other_masters(topics: RosTopics, link: Link) -> Iterator[str]:
     yield from (stream.rival for stream in topics.streams if stream.rival)
 
 
+def restarted_servers(topics: RosTopics) -> Iterator[str]:
+    """Yield a message for each action with another server than at the start."""
+    yield from (stream.restart for stream in topics.streams if stream.restart)
+
+
 def doubled_readings(topics: RosTopics, link: Link) -> Iterator[str]:
     """Yield a message for each topic of readings that several nodes publish: their readings alternate.
 
@@ -117,14 +122,18 @@ def deafness(topics: RosTopics, link: Link, topic: str) -> str:
     kind, others = topics.commands[topic], link.listeners(topic)
     if others:
         return f"{topic}: {', '.join(others)} listens, but {kind} is sent; change `type`"
-    return f"{topic}: nobody listens to it; needed: a controller or driver that takes {kind}"
+    heard = [text for text in link.topics_of(kind) if link.listeners(text)]
+    hint = f"; there are {', '.join(heard)}" if heard else ""
+    return f"{topic}: nobody listens to it; needed: a controller or driver that takes {kind}{hint}"
 
 
 def _no_server(stream: GoalStream, link: Link) -> str:
     """Return why no goal of an action arrives."""
     if others := link.action_servers(stream.name):
         return f"{stream.name}: {', '.join(others)} serves it; needed: {stream.kind}"
-    return f"{stream.name}: nobody serves the action; needed: a controller that takes {stream.kind}"
+    served = link.actions_of(stream.kind)
+    hint = f"; there are {', '.join(served)}" if served else ""
+    return f"{stream.name}: nobody serves the action; needed: a controller that takes {stream.kind}{hint}"
 
 
 def silence(sensor: TopicSensor, link: Link) -> str:

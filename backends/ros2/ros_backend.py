@@ -23,7 +23,14 @@ from handcart.robotics.numerics.arrays import ByteArray
 from handcart.robotics.numerics.compiled import hearing_of_compiling
 
 from .bench.local_bench import LocalBench
-from .on_the_air import DISCOVERY_S, await_robot, doubled_readings, other_masters, unheard
+from .on_the_air import (
+    DISCOVERY_S,
+    await_robot,
+    doubled_readings,
+    other_masters,
+    restarted_servers,
+    unheard,
+)
 from .ros_topics import RosTopics, capabilities_of, check_ros_section
 
 MASTERS_PERIOD_S = 1.0
@@ -73,7 +80,7 @@ class RosBackend(Backend):
             NotOnTheAir: topics are missing, or are not what the file says.
         """
         if robot.ros2 is None:
-            raise NoTopics()
+            raise NoTopics(robot.folder)
         spec = robot.ros2
         check_ros_section(robot, spec)
         self.period = robot.period_s
@@ -120,7 +127,7 @@ class RosBackend(Backend):
         cls, robot: RobotFile, world: Path | None, seed: int, bench: type[Backend]
     ) -> RosBackend:
         if robot.ros2 is None:
-            raise NoTopics()
+            raise NoTopics(robot.folder)
         check_ros_section(robot, robot.ros2)
         inner = bench.build(robot, world, seed)
         try:
@@ -135,7 +142,7 @@ class RosBackend(Backend):
     @override
     def kinds(cls, robot: RobotFile) -> tuple[type[Capability], ...] | None:
         if robot.ros2 is None:
-            raise NoTopics()
+            raise NoTopics(robot.folder)
         check_ros_section(robot, robot.ros2)
         return capabilities_of(robot)
 
@@ -277,7 +284,7 @@ class RosBackend(Backend):
         if now - self._looked < MASTERS_PERIOD_S:
             return
         self._looked = now
-        if found := list(other_masters(topics, self._link)):
+        if found := [*other_masters(topics, self._link), *restarted_servers(topics)]:
             raise RosFault("; ".join(found))
         doubled = list(doubled_readings(topics, self._link))
         self._single = self._single if doubled else now

@@ -14,7 +14,11 @@ from handcart.backends.limits import checked_command
 from handcart.backends.plain_values import Kinds
 from handcart.robotics.geometry.pose2 import Pose2
 
+from .wire.alternation import AlternationWatch
 from .wire.topic_sensor import TopicSensor
+
+MAX_ALTERNATION_M, MAX_ALTERNATION_DEG = 0.01, 1.0
+"""Deviation of a pose from the poses before and after it up to which one node may have sent all of them."""
 
 
 class OdometryTopic(TopicSensor):
@@ -28,7 +32,7 @@ class OdometryTopic(TopicSensor):
     travel = WheelTravel(0.0, 0.0)
     """Travel of the wheels since the first message, in [m]."""
     jumped = ""
-    """Distance by which the odometry jumped, as text; "" if it did not."""
+    """Distance by which the odometry jumped, or by which its poses alternate, as text; "" if they do not."""
 
     def fit(self, drive: Drive, limits: RosOdometrySpec = RosOdometrySpec()) -> None:
         """Set drive and limits, before the first message arrives.
@@ -39,6 +43,9 @@ class OdometryTopic(TopicSensor):
         """
         self._drive, self._limits = drive, limits
         self._last: tuple[float, Pose2] | None = None
+        turn = math.radians(MAX_ALTERNATION_DEG)
+        self._alternation = AlternationWatch((MAX_ALTERNATION_M, MAX_ALTERNATION_M, turn))
+        self._heading = 0.0
 
     @property
     def pose(self) -> Pose2 | None:
@@ -48,8 +55,14 @@ class OdometryTopic(TopicSensor):
     @override
     def _shift_stamps(self, step_s: float) -> None:
         super()._shift_stamps(step_s)
+        self._alternation.forget()
         if self._last is not None:
             self._last = self._last[0] + step_s, self._last[1]
+
+    @override
+    def forget(self) -> None:
+        super().forget()
+        self._alternation.forget()
 
     @override
     def _wrong(self, message: Any) -> str:
@@ -68,6 +81,20 @@ class OdometryTopic(TopicSensor):
             if self._last is not None:
                 self._moved(now.relative_to(self._last[1]), stamp - self._last[0])
             self._last = stamp, now
+            self._note_alternation(stamp, now)
+
+    def _note_alternation(self, stamp: float, pose: Pose2) -> None:
+        """Note, as a jump, that poses alternate as those of two nodes do; `stamp` in [s]."""
+        self._heading += math.remainder(pose.theta - self._heading, math.tau)  # without steps at 180 deg
+        found = self._alternation.note(stamp, (pose.x, pose.y, self._heading))
+        if found is not None and not self.jumped:
+            is_turn = found.number == 2
+            size = f"{math.degrees(found.size):.2g} deg" if is_turn else f"{found.size:.2g} m"
+            most = f"{MAX_ALTERNATION_DEG:g} deg" if is_turn else f"{MAX_ALTERNATION_M:g} m"
+            self.jumped = (
+                f"the odometry ({self.source.topic}) goes to and fro by {size} between its messages;"
+                f" allowed: {most}. Do two nodes send it?"
+            )
 
     def _moved(self, step: Pose2, seconds: float) -> None:
         """Add a step of the base to the travel of its sides; note a jump.

@@ -62,7 +62,9 @@ def _joint_faults(robot: RobotFile, spec: RosSpec) -> Iterator[tuple[KeyPath, st
         if not paths:
             yield ("arm",), f"no controller has the joint {joint!r}; needed: one", True
         for path in paths[1:]:
-            yield path, f"{len(paths)} controllers have the joint {joint!r}; needed: one", False
+            many = len({path[:3] for path in paths})
+            words = f"{many} controllers have the joint {joint!r}; needed: one"
+            yield path, words if many > 1 else f"the joint {joint!r} is named twice; allowed: once", False
 
 
 def _camera_faults(robot: RobotFile, spec: RosSpec) -> Iterator[tuple[KeyPath, str, bool]]:

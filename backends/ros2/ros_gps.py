@@ -10,12 +10,14 @@ from typing_extensions import override
 
 from handcart.backends.capabilities.gps import Fix, Gps
 from handcart.backends.description.ros_spec import RosGpsSpec
+from handcart.backends.live.sensor_errors import StaleSensor
 from handcart.robotics.geometry.earth_frame import EarthFrame
 
 from .wire.topic_sensor import TopicSensor
 
 NO_FIX = -1
 """`status.status` of a message without a fix."""
+NO_FIX_WORDS = "the receiver has no fix"
 UNKNOWN_COVARIANCE = 0
 
 
@@ -24,6 +26,9 @@ class RosGps(TopicSensor, Gps):
 
     Positions are converted to a plane that touches the earth at the origin stated in the robot's file. A fix
     is returned only in the period in which it arrived.
+
+    A receiver without a fix is no fault. If for longer than `stale_ms` each message is dropped for another
+    reason, as when the receiver's time was set back, `fix` raises `StaleSensor`.
     """
 
     KIND = "sensor_msgs/NavSatFix"
@@ -33,20 +38,27 @@ class RosGps(TopicSensor, Gps):
         self._frame = EarthFrame(spec.origin_lat_deg, spec.origin_lon_deg)
         self._usual_sigma = spec.sigma_m
         self._fix: Fix | None = None
+        self._refused_since: float | None = None
 
     @override
     def fix(self) -> Fix | None:
+        if self._refused_since is not None and self._now - self._refused_since > self._stale:
+            raise StaleSensor(self.name, self.age, self._stale, self.doubt)
         return self._fix
 
     @override
     def _take_in(self) -> None:
-        self._fix = None
+        self._fix, rejected = None, self.rejected
         super()._take_in()
+        if self._fix is not None or self.doubt == NO_FIX_WORDS:
+            self._refused_since = None
+        elif self.rejected > rejected and self._refused_since is None:
+            self._refused_since = self._now
 
     @override
     def _wrong(self, message: Any) -> str:
         if message.status.status <= NO_FIX:
-            return "the receiver has no fix"
+            return NO_FIX_WORDS
         if not (abs(message.latitude) <= 90.0 and abs(message.longitude) <= 180.0):  # also NaN
             return f"its place is {message.latitude:g}, {message.longitude:g} deg"
         sigma = self._sigma(message)

@@ -94,7 +94,7 @@ class RosTopics:
         """Start commanding arm and gripper at their measured positions; to be called when each topic has had
         a message.
         """
-        for item in (self.arm, self.gripper):
+        for item in (self.arm, self.gripper, *self.streams):
             if item is not None:
                 item.begin()
 

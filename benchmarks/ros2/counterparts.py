@@ -3,7 +3,8 @@
 The bench runs in a process of its own. The command-line tools of ROS 2 (`ros2 topic`, `ros2 action
 send_goal`, `ros2 node`) list, read, measure and command it; `--tools` is the path of `ros2`. With
 `--other PYTHON`, the interpreter of another distribution drives it and reads its topics, by rclpy alone. A
-tool that is not installed is named, and counts as not run. Needs rclpy. Status 1 if anything failed.
+tool that is not installed is named, and counts as not run. Needs rclpy. Status 1 if anything failed; Ctrl-C
+prints the row of what was tried until then, status 130.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from benchmarks.cut_off import CUT_OFF_STATUS, CutOff
 from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.base import Base
 from handcart.backends.description.ros_spec import RosArmSpec, RosSpec
@@ -83,29 +85,37 @@ def try_tools(ros2: str) -> int:
     """Use each tool once; return the number that failed."""
     has_actions = importlib.util.find_spec("control_msgs") is not None
     bench = Process(serve_robot, has_actions)
-    failed = []
+    done, failed, tools = 0, list[Tool](), list[Tool]()
     try:
-        names = bench.answer()
-        tools = tools_for(names, has_actions)
-        for tool in tools:
-            before = state_of(bench)
-            said = run_tool([ros2, *tool.words], tool.seconds)
-            good = tool.expects(said, before, state_of(bench))
-            shown = re.search(tool.shows, said)
-            print(
-                f"  {'works ' if good else 'FAILED'} ros2 {' '.join(tool.words)[:70]}:"
-                f" {' '.join(shown.group(0).split())[:90] if shown else said.strip()[-200:]}",
-                flush=True,
-            )
-            failed += [] if good else [tool]
+        with CutOff() as cut:
+            names = bench.answer()
+            tools = tools_for(names, has_actions)
+            for tool in tools:
+                failed += [] if try_tool(ros2, tool, bench) else [tool]
+                done += 1
     finally:
         bench.kill()
         run_tool([ros2, "daemon", "stop"], TOOL_TIMEOUT_S)  # some of them leave one
     without = "" if has_actions else "; actions not run: control_msgs is not installed"
-    print(
-        f"command-line tools of ROS 2: {len(tools) - len(failed)} of {len(tools)} work{without}", flush=True
-    )
+    rest = cut.words(done, len(tools))
+    print(f"command-line tools of ROS 2: {done - len(failed)} of {done} work{without}{rest}", flush=True)
+    if cut.came:
+        sys.exit(CUT_OFF_STATUS)
     return len(failed)
+
+
+def try_tool(ros2: str, tool: Tool, bench: Process) -> bool:
+    """Use a tool once, print what it showed, and return whether it worked."""
+    before = state_of(bench)
+    said = run_tool([ros2, *tool.words], tool.seconds)
+    good = tool.expects(said, before, state_of(bench))
+    shown = re.search(tool.shows, said)
+    print(
+        f"  {'works ' if good else 'FAILED'} ros2 {' '.join(tool.words)[:70]}:"
+        f" {' '.join(shown.group(0).split())[:90] if shown else said.strip()[-200:]}",
+        flush=True,
+    )
+    return good
 
 
 def tools_for(joints: Sequence[str], has_actions: bool) -> list[Tool]:
@@ -166,12 +176,16 @@ def try_other(python: str) -> int:
     """Let another distribution's interpreter drive the bench; return 1 if it failed."""
     bench = Process(serve_robot, False)
     try:
-        bench.answer()
-        before = state_of(bench)
-        said = run_tool([python, str(OTHER_SIDE), str(OTHER_S)], TOOL_TIMEOUT_S)
-        after = state_of(bench)
+        with CutOff() as cut:
+            bench.answer()
+            before = state_of(bench)
+            said = run_tool([python, str(OTHER_SIDE), str(OTHER_S)], TOOL_TIMEOUT_S)
+            after = state_of(bench)
     finally:
         bench.kill()
+    if cut.came:
+        print(f"another distribution, {python}: not run to its end (cut off)", flush=True)
+        sys.exit(CUT_OFF_STATUS)
     try:
         report = json.loads(said.strip().splitlines()[-1])
     except (ValueError, IndexError):

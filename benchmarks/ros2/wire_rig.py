@@ -18,7 +18,7 @@ from handcart.backends.backend import Backend, RobotFault
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.robot_file import RobotFile
-from handcart.backends.description.ros_spec import RosSpec
+from handcart.backends.description.ros_spec import RosLidarSpec, RosOdometrySpec, RosSpec
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.registry import make_backend
 from handcart.backends.ros2.bench.bench_faults import BenchFaults, TopicFault
@@ -40,6 +40,8 @@ ANSWER_S = 60.0
 FIRST_DOMAIN, DOMAINS = 30, 60
 END_WITH_PARENT = 1
 """Option `PR_SET_PDEATHSIG` of Linux' `prctl`."""
+DROVE_TO_END = "drove to its end"
+"""Words of a program that nothing stopped."""
 Pipe = Any
 
 
@@ -110,6 +112,7 @@ def _work_as_child(parent: int, late: Any, work: Callable[..., None], *words: An
     ctypes.CDLL(None, use_errno=True).prctl(END_WITH_PARENT, signal.SIGKILL)
     if os.getppid() != parent:  # it has ended before
         return
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches it, too: its parent decides
     LoopWatch.shared = late
     work(*words)
 
@@ -176,10 +179,17 @@ def on_the_air(trial: int) -> Iterator[None]:
     yield
 
 
-def cart(max_late_ms: float, first_message_s: float = 30.0) -> RobotFile:
-    """Return the cart with topics of the usual names; times in [ms] and [s]."""
+def cart(max_late_ms: float, first_message_s: float = 30.0, stale_ms: float | None = None) -> RobotFile:
+    """Return the cart with topics of the usual names; times in [ms] and [s].
+
+    `stale_ms` is the age in [ms] beyond which readings are stale; None: the usual ages.
+    """
     robot = load_robot("cart")
-    spec = RosSpec(first_message_s=first_message_s, max_late_ms=max_late_ms)
+    topics: dict[str, Any] = {}
+    if stale_ms is not None:
+        topics = {"odometry": RosOdometrySpec(stale_ms=stale_ms), "lidar": RosLidarSpec(stale_ms=stale_ms)}
+        topics["max_missed_periods"] = 100
+    spec = RosSpec(first_message_s=first_message_s, max_late_ms=max_late_ms, **topics)
     return robot.model_copy(update={"ros2": spec}).read_in(robot.folder)
 
 
@@ -230,11 +240,16 @@ def serve(pipe: Connection, robot: RobotFile, inner: Backend, moves: Callable[[R
         time.sleep(max(0.0, due - time.monotonic()))
 
 
-def drive_circles(pipe: Connection, seconds: float, first_message_s: float = 30.0) -> None:
-    """Drive in circles and read the lidar each period; send "drives", then how it ended."""
-    words, figures, ended = "drove to its end", dict[str, Any](), 0.0
+def drive_circles(
+    pipe: Connection, seconds: float, first_message_s: float = 30.0, stale_ms: float | None = None
+) -> None:
+    """Drive in circles and read the lidar each period; send "drives", then how it ended.
+
+    Any message ends it early. See `cart` for `stale_ms`.
+    """
+    words, figures, ended = DROVE_TO_END, dict[str, Any](), 0.0
     try:
-        with RosBackend(cart(1000.0, first_message_s)) as backend:
+        with RosBackend(cart(1000.0, first_message_s, stale_ms)) as backend:
             base, lidar = backend.get(Base), backend.get(RangeSensor)  # type: ignore[type-abstract]
             assert base is not None and lidar is not None
             watch = LoopWatch(backend.period, FIRST_PERIODS + 1)
@@ -247,6 +262,9 @@ def drive_circles(pipe: Connection, seconds: float, first_message_s: float = 30.
                     if period == FIRST_PERIODS:
                         pipe.send("drives")
                     watch.note()
+                    if pipe.poll():  # asked to end
+                        words = "cut off"
+                        break
             finally:
                 watch.note()
                 ended, figures = time.monotonic(), {**backend.figures(), "too long": watch.figures()}

@@ -29,11 +29,13 @@ class Remark(NamedTuple):
 def grouped(remarks: Iterable[Remark]) -> list[str]:
     """Return a line for each group of remarks that are alike except for numbers, paths and quoted names.
 
-    The line shows the group's first remark, and the subjects of the others.
+    The line shows the group's first remark, and the subjects of the others. Remarks on the robot itself have
+    no subject; they have a line each.
     """
     kinds: dict[tuple[str, str], list[Remark]] = {}
     for remark in remarks:
-        kinds.setdefault((remark.subject.split(" ")[0], _DIFFERS.sub("", remark.what)), []).append(remark)
+        kind = _DIFFERS.sub("", remark.what) if remark.subject else remark.what  # a subject tells them apart
+        kinds.setdefault((remark.subject.split(" ")[0], kind), []).append(remark)
     return [_line(kind) for kind in kinds.values()]
 
 

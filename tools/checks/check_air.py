@@ -44,7 +44,7 @@ def air_facts(
 
     robot = load_robot(name)
     if robot.ros2 is None:
-        raise NoTopics()
+        raise NoTopics(robot.folder)
     if bag is not None and bench is not None:
         raise InputError("a bag and a bench; allowed: one of both")
     if bag is not None:

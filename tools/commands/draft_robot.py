@@ -28,15 +28,19 @@ def robot(
     Values that still have to be measured or chosen are marked.
     """
     from handcart.files.errors import InputError
+    from handcart.tools.terminal.writing import check_folder
 
     if not from_ros:
         raise typer.BadParameter(
             "needed: --from-ros; `handcart new robot` and `check URDF --draft` begin otherwise"
         )
+    if file.suffix not in (".yaml", ".yml"):
+        raise InputError(f"{file} is not a robot's file; allowed: *.yaml")
     urdf, srdf = file.with_suffix(".urdf"), file.with_suffix(".srdf")
     for item in (file, urdf, srdf):
         if item.exists():
             raise InputError(f"{item} is there already; allowed: a folder without it")
+    check_folder(file.parent)
     _write(file, urdf, srdf, _description(namespace, domain, seconds, bench))
     print(f"written to {file}, its URDF beside it; next: handcart check {file} --ros2")
 
@@ -55,7 +59,7 @@ def _description(namespace: str, domain: int | None, seconds: float, bench: str 
             return describe_air(link, wait, seconds, namespace)
     spec = load_robot(bench)
     if spec.ros2 is None:
-        raise NoTopics()
+        raise NoTopics(spec.folder)
     inner = bench_class("kinematic", "ros2").build(spec, LIBRARY_FOLDER / "world.yaml", 0)
     with connected(spec, spec.ros2, inner) as (link, wait):
         return describe_air(link, wait, seconds)
@@ -70,6 +74,7 @@ def _write(file: Path, urdf: Path, srdf: Path, air: AirDescription) -> None:
     from handcart.tools.checks.drafting import write_draft
     from handcart.tools.terminal.writing import write_text
 
+    file.parent.mkdir(parents=True, exist_ok=True)
     write_text(urdf, air.urdf)
     try:
         report = urdf_report(urdf)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from contextlib import ExitStack
 from pathlib import Path
@@ -31,6 +32,35 @@ class RosBenchOptions(NamedTuple):
     """Differences of the robot from its file, each as NAME=FACTOR."""
 
 
+class BenchRate:
+    """Rate of a bench's periods, which says once that the machine is too slow for it."""
+
+    WINDOW_S, MIN_SHARE = 5.0, 0.8
+
+    def __init__(self, period_s: float) -> None:
+        """Begin without a period; `period_s` is its duration in [s]."""
+        self._period_s, self._begun, self._count = period_s, -1.0, 0
+        self._is_said = False
+
+    def note(self, now: float) -> str:
+        """Note the end of a period at a time in [s]; return a warning, "" if there is nothing to say."""
+        if self._begun < 0.0:
+            self._begun = now
+            return ""
+        self._count += 1
+        if now - self._begun < self.WINDOW_S:
+            return ""
+        rate, wanted = self._count / (now - self._begun), 1.0 / self._period_s
+        self._begun, self._count = now, 0
+        if self._is_said or rate >= self.MIN_SHARE * wanted:
+            return ""
+        self._is_said = True
+        return (
+            f"warning: the bench makes {rate:.1f} periods a second; needed: {wanted:g}. This machine is too"
+            " slow or too busy for it, and a program may call its topics late"
+        )
+
+
 def serve_topics(options: RosBenchOptions) -> None:
     """Simulate a robot behind its ROS 2 topics in real time.
 
@@ -50,18 +80,20 @@ def serve_topics(options: RosBenchOptions) -> None:
     with ExitStack() as parts:  # closed here unless the bench owns them
         parts.callback(inner.close)
         if spec.ros2 is None:
-            raise NoTopics()
+            raise NoTopics(spec.folder)
         differences = RobotDifferences.read(options.wrong, spec, spec.ros2)
         link = RosLink(node_name("bench"), spec.ros2.namespace, spec.ros2.domain)
         parts.callback(link.close)
         bench = RosBench(spec, spec.ros2, inner, link, BenchFaults(spec.period_s, planned), differences)
         parts.pop_all()
-    over = AskedToEnd()
+    over, rate = AskedToEnd(), BenchRate(spec.period_s)
     begun = due = time.monotonic()
     print(f"topics of {spec.ros2.namespace or '/'}, simulated by {options.backend}; Ctrl-C ends", flush=True)
     try:
         while not over and not (options.seconds is not None and due - begun >= options.seconds):
             bench.step()
+            if words := rate.note(time.monotonic()):
+                print(words, file=sys.stderr, flush=True)
             due = max(due + spec.period_s, time.monotonic() - spec.period_s)
             time.sleep(max(0.0, due - time.monotonic()))
     finally:

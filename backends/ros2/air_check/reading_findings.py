@@ -35,6 +35,8 @@ def reading_findings(heard: HeardRobot) -> Iterator[AirFinding]:
             yield AirFinding(place, words)
         if sensor.age is not None:
             yield from _timing(heard, key, sensor, measured)
+    if heard.topics.odometry.jumped:
+        yield AirFinding(("ros2", "odometry"), heard.topics.odometry.jumped)
     yield from _joints(heard)
 
 

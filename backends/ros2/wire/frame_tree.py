@@ -9,9 +9,13 @@ import numpy as np
 
 from handcart.robotics.geometry.transform import Transform, difference, inverse
 
+from .alternation import Alternation, AlternationWatch
+
 MAX_DEPTH = 100
 SAME_POSE_M, SAME_POSE_RAD = 1e-3, 1e-3
 """Difference of two poses of a static frame up to which they are the same."""
+MAX_ALTERNATION_M, MAX_ALTERNATION_RAD = 0.01, math.radians(1.0)
+"""Deviation of a pose from the poses before and after it up to which one node may have sent all of them."""
 UPRIGHT_T_FLIPPED = np.diag([1.0, -1.0, -1.0, 1.0])
 """Pose (4, 4) of the frame of a sensor mounted upside down, in its upright frame; half a turn about x."""
 
@@ -19,13 +23,15 @@ UPRIGHT_T_FLIPPED = np.diag([1.0, -1.0, -1.0, 1.0])
 class FrameTree:
     """Tree of coordinate frames from `tf` messages, with the last pose of each frame in its parent frame.
 
-    Frames with two parents, and static frames with two poses, are noted: which one counts is left to chance.
+    Frames with two parents, static frames with two poses, and frames whose poses alternate as those of two
+    nodes do, are noted: which pose counts is left to chance.
     """
 
     def __init__(self) -> None:
         """Begin without frames."""
         self._parents: dict[str, tuple[str, Transform]] = {}
         self._conflicts: dict[str, str] = {}
+        self._alternations: dict[tuple[str, str], AlternationWatch] = {}
 
     def take(self, message: Any) -> None:
         """Store the poses of a `tf2_msgs/TFMessage` of `tf`; poses that are not finite are ignored."""
@@ -42,9 +48,19 @@ class FrameTree:
                 continue
             child, parent = plain(transform.child_frame_id), plain(transform.header.frame_id)
             before = self._parents.get(child)
-            if before is not None and (words := _conflict(before, (parent, pose), is_static)):
+            words = "" if before is None else _conflict(before, (parent, pose), is_static)
+            if not is_static and (found := self._note(child, parent, transform.header.stamp, pose)):
+                words = words or _alternation_words(parent, found)
+            if words:
                 self._conflicts.setdefault(child, f"the frame {child!r} has {words}")
             self._parents[child] = parent, pose
+
+    def _note(self, child: str, parent: str, stamp: Any, pose: Transform) -> Alternation | None:
+        """Note a moving frame's pose parent_T_child (4, 4); return by how much its poses alternate."""
+        limits = (*[MAX_ALTERNATION_M] * 3, *[MAX_ALTERNATION_RAD] * 9)
+        watch = self._alternations.setdefault((child, parent), AlternationWatch(limits))
+        values = [*pose[:3, 3].tolist(), *pose[:3, :3].ravel().tolist()]
+        return watch.note(stamp.sec + stamp.nanosec / 1e9, values)
 
     def conflicts(self, frame: str) -> list[str]:
         """Return a text for each contradiction of messages about a frame or the frames above it."""
@@ -95,6 +111,11 @@ def _conflict(before: tuple[str, Transform], after: tuple[str, Transform], is_st
         return ""
     degrees = math.degrees(angle)
     return f"two static poses in {after[0]!r}, {off:.3f} m and {degrees:.1f} deg apart"
+
+
+def _alternation_words(parent: str, found: Alternation) -> str:
+    size = f"{found.size:.3f} m" if found.number < 3 else f"{math.degrees(found.size):.1f} deg"
+    return f"poses in {parent!r} that go to and fro by {size}"
 
 
 def pose_of_transform(message: Any) -> Transform | None:

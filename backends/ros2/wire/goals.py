@@ -83,6 +83,12 @@ class GoalSender(Protocol):
     def others_goal(self) -> bool:
         """Return True if the server executes a goal of another node."""
 
+    def servers(self) -> frozenset[bytes]:
+        """Return an identifier of each server of the action, which another process never has; empty where
+        servers have none.
+        """
+        return frozenset()
+
     def new_goal(self) -> Any:
         """Return an empty goal message of the action's type."""
 

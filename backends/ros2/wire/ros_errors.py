@@ -15,9 +15,11 @@ After a `RosFault` a person has to look; the backend has to be built anew.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 from handcart.backends.backend import RobotFault
 from handcart.files.errors import InputError
+from handcart.files.shown_path import shown_path
 
 UNPUBLISHED = ("control_msgs", "tf2_msgs", "nav2_msgs", "moveit_msgs")
 """Packages of messages that no registry of Python packages has."""
@@ -26,8 +28,11 @@ UNPUBLISHED = ("control_msgs", "tf2_msgs", "nav2_msgs", "moveit_msgs")
 class NoTopics(InputError):
     """Error: the robot's file has no section `ros2` with the robot's topics."""
 
-    def __init__(self) -> None:
-        super().__init__("the robot's file has no section 'ros2'; allowed: `ros2: {}` for the usual topics")
+    def __init__(self, folder: Path) -> None:
+        super().__init__(
+            f"the robot's file in {shown_path(folder)} has no section 'ros2';"
+            " allowed: `ros2: {}` for the usual topics"
+        )
 
 
 class WrongRosSection(InputError):

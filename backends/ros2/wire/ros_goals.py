@@ -21,6 +21,7 @@ from .goals import (
 )
 from .ros_errors import NoRos
 
+STATE_TOPIC = "/_action/status"
 FEEDBACK_TOPIC, FEEDBACK_TYPE = "/_action/feedback", "_FeedbackMessage"
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
 Came = Callable[[], None]
@@ -42,13 +43,14 @@ class RosGoalSender(GoalSender):
         Raises:
             NoRos: the package of the action is not installed.
         """
-        self._type, self._came = action_class(kind), came
+        self._type, self._came, self._node = action_class(kind), came, node
+        self._states = f"{node.resolve_service_name(name)}{STATE_TOPIC}"
         self._client = import_module("rclpy.action").ActionClient(node, self._type, name)
         self._new_id = import_module("unique_identifier_msgs.msg").UUID
         self._rivals = RivalWatch()
         kind_of_state = import_module("action_msgs.msg").GoalStatusArray
         profile = import_module("rclpy.qos").qos_profile_action_status_default
-        node.create_subscription(kind_of_state, f"{name}/_action/status", self._heard, profile)
+        node.create_subscription(kind_of_state, self._states, self._heard, profile)
 
     @override
     def is_ready(self) -> bool:
@@ -57,6 +59,11 @@ class RosGoalSender(GoalSender):
     @override
     def others_goal(self) -> bool:
         return self._rivals.has_found
+
+    @override
+    def servers(self) -> frozenset[bytes]:
+        ends = self._node.get_publishers_info_by_topic(self._states)
+        return frozenset(bytes(end.endpoint_gid) for end in ends)
 
     def _heard(self, message: Any) -> None:
         """Take the states of all goals of the server, of other clients as well."""

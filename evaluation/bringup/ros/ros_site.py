@@ -42,7 +42,7 @@ class RosSite(RobotSite):
             NoTopics: the file has no such section.
         """
         if self.robot.ros2 is None:
-            raise NoTopics()
+            raise NoTopics(self.robot.folder)
         return self.robot.ros2
 
     @property

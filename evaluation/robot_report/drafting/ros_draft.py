@@ -26,7 +26,7 @@ def with_air(text: str, air: AirDescription, outline: Outline, srdf: str) -> str
         outline: outline of the robot by its URDF.
         srdf: name of the SRDF's file; "" without one.
     """
-    text = text.replace("from the URDF alone", "from the robot's URDF and topics", 1)
+    text = text.replace("`handcart check` from the URDF alone", "`handcart robot` from the robot's topics", 1)
     scan = air.messages.get(chosen("lidar", air.topics[MESSAGE_KINDS["lidar"]])[0])
     if scan is not None and LIDAR_SECTION.split(", ")[0] in text:
         lines = _lidar(scan, is_upside_down(air, scan.header.frame_id, outline.root) or False).split(", ")

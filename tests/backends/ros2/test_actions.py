@@ -15,6 +15,7 @@ from handcart.backends.description.ros_spec import RosArmSpec, RosGripperSpec, R
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.ros2.air_check.air_report import listen
 from handcart.backends.ros2.bench.local_air import LocalLink
+from handcart.backends.ros2.bench.local_goals import LocalGoalSender
 from handcart.backends.ros2.goal_stream import GoalStream
 from handcart.backends.ros2.ros_backend import RosBackend
 from handcart.backends.ros2.wire.goals import GoalStage
@@ -92,6 +93,21 @@ def test_a_stop_cancels_what_is_under_way(make: Make) -> None:
             backend.step()
         assert inner.command() == pytest.approx(held, abs=1e-9)
         assert goals_of(backend._topics.streams[0]) == []
+
+
+def test_an_action_with_another_server_stops_the_robot(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its controller was started again, and the last goal never ends."""
+    servers = {b"first"}
+    monkeypatch.setattr(LocalGoalSender, "servers", lambda sender: frozenset(servers))
+    with make(**BY_ACTIONS) as backend:
+        swing(backend, 10)
+        servers.discard(b"first")  # it died: that nobody serves the action is another fault
+        for _ in range(30):
+            backend.step()
+        servers.add(b"second")
+        with pytest.raises(RosFault, match=rf"{LIFT}: another server .* was its controller started again\?"):
+            for _ in range(30):
+                backend.step()
 
 
 @pytest.mark.parametrize(

@@ -240,16 +240,17 @@ def test_goals_pass_the_middleware_and_come_back() -> None:
 class CountingRig:
     """Server, client and a rival's client of `Fibonacci`: its messages are published as a wheel."""
 
-    KIND, NAME, ANSWER_S = "test_msgs/Fibonacci", "count", 1.0
+    KIND, ANSWER_S = "test_msgs/Fibonacci", 1.0
 
-    def __init__(self) -> None:
-        """Connect all three."""
+    def __init__(self, name: str = "count") -> None:
+        """Connect all three to an action of this name."""
+        self.name = name
         self.links = [RosLink(name) for name in ("drivers", "program", "rival")]
         self.served: list[ServedGoal] = []
         self.verdict: bool | None = True
-        self.links[0].serve_action(self.KIND, self.NAME, lambda goal: self.verdict, self.served.append)
-        sender, self.rival = (link.goal_sender(self.KIND, self.NAME) for link in self.links[1:])
-        self.stream = GoalStream(sender, self.NAME, self.KIND, self.ANSWER_S, time.monotonic)
+        self.links[0].serve_action(self.KIND, self.name, lambda goal: self.verdict, self.served.append)
+        sender, self.rival = (link.goal_sender(self.KIND, self.name) for link in self.links[1:])
+        self.stream = GoalStream(sender, self.name, self.KIND, self.ANSWER_S, time.monotonic)
 
     def await_that(self, condition: Callable[[], bool]) -> None:
         """Exchange messages until a condition holds."""
@@ -294,7 +295,7 @@ def test_any_action_passes_the_middleware_with_each_of_its_ends() -> None:
     rig = CountingRig()
     try:
         rig.await_that(lambda: rig.stream.sender.is_ready() and rig.rival.is_ready())
-        assert rig.links[1].actions_of(rig.KIND) == [f"/{rig.NAME}"]  # before the node's name is known
+        assert rig.links[1].actions_of(rig.KIND) == [f"/{rig.name}"]  # before the node's name is known
         assert rig.links[1].actions_of("test_msgs/NestedMessage") == []
         assert rig.ended(GoalStage.SUCCEEDED) == ""
         assert rig.ended(GoalStage.CANCELED, asked=True) == ""
@@ -307,6 +308,28 @@ def test_any_action_passes_the_middleware_with_each_of_its_ends() -> None:
         rig.sent(True, rig.rival)
         rig.await_that(lambda: bool(rig.stream.trouble))
         assert "a goal of another node is executed" in rig.stream.trouble
+    finally:
+        for link in rig.links:
+            link.close()
+
+
+def test_a_server_that_was_started_again_is_noticed() -> None:
+    """Its goals never end for their sender (rclcpp #2241)."""
+    pytest.importorskip("test_msgs", reason="ros-test-msgs is not installed")
+    rig = CountingRig("count_again")
+    try:
+        rig.await_that(rig.stream.sender.is_ready)
+        rig.await_that(lambda: bool(rig.stream.sender.servers()))
+        rig.stream.begin()
+        sent = rig.sent(True)
+        rig.await_that(lambda: sent.state is GoalStage.RUNNING)
+        assert not rig.stream.restart
+        rig.links[0].close()
+        rig.links[0] = RosLink("drivers")
+        rig.links[0].serve_action(rig.KIND, rig.name, lambda goal: True, rig.served.append)
+        rig.await_that(lambda: bool(rig.stream.restart))
+        assert "was its controller started again" in rig.stream.restart
+        assert sent.state is GoalStage.RUNNING
     finally:
         for link in rig.links:
             link.close()

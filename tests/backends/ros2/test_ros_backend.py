@@ -256,7 +256,7 @@ def test_joints_that_the_arm_lacks_are_told_all_at_once(make: Make) -> None:
         "the arm has no joint 'jont_3'; did you mean 'joint_3'?",
         "names: the arm has no joint 'wrist'",
         "reversed: the arm has no joint 'elbow'",
-        "2 controllers have the joint 'joint_2'",
+        "arm: the joint 'joint_2' is named twice; allowed: once",
         "no controller has the joint 'joint_3'",
     ):
         assert words in str(error.value)

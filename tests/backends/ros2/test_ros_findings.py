@@ -42,5 +42,12 @@ def test_faults_of_the_section_are_found_at_their_places(tmp_path: Path) -> None
     assert len(places) == len(refused.value.findings) == 5
 
 
+def test_a_joint_that_one_controller_names_twice_is_called_so(tmp_path: Path) -> None:
+    joints = ", ".join(f"joint_{number}" for number in (1, 2, 3, 4, 5, 6, 1))
+    path = written(tmp_path, f"ros2:\n  arm:\n    controllers: {{arm/commands: [{joints}]}}\n")
+    with pytest.raises(FileError, match="the joint 'joint_1' is named twice; allowed: once"):
+        load_robot(str(path))
+
+
 def test_section_does_not_keep_a_simulated_robot_from_running(tmp_path: Path) -> None:
     assert load_robot(str(written(tmp_path, SECTION)), drives=False).ros2 is not None

@@ -12,12 +12,14 @@ import pytest
 from handcart.backends.capabilities.gps import Fix, Gps
 from handcart.backends.description.ros_spec import RosGpsSpec, RosSpec
 from handcart.backends.kinematic.kinematic_backend import KinematicBackend
+from handcart.backends.live.sensor_errors import StaleSensor
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.backends.ros2.bench.bench_messages import fix_message
 from handcart.backends.ros2.bench.local_air import LocalAir, LocalLink
 from handcart.backends.ros2.ros_backend import RosBackend
 from handcart.backends.ros2.ros_gps import RosGps
 from handcart.backends.ros2.ros_topics import check_ros_section
+from handcart.backends.ros2.wire.messages import set_stamp
 from handcart.backends.ros2.wire.ros_errors import WrongRosSection
 from handcart.tasks.task_names import task_path
 
@@ -77,6 +79,46 @@ def test_a_message_that_is_no_fix_is_dropped(changed: dict[str, Any], words: str
     assert gps.fix() is None
     assert gps.rejected == 1
     assert words in gps.doubt
+
+
+def fixes_after(time: list[float], gps: RosGps, count: int, off_s: float, **changed: Any) -> list[Fix | None]:
+    """Return the fixes of one second each, with stamps that are off by a time in [s]."""
+    found = []
+    for _ in range(count):
+        time[0] += 1.0
+        arrived = message(**changed)
+        set_stamp(arrived.header, time[0] + off_s)
+        gps.heard(arrived)
+        gps.advance()
+        found.append(gps.fix())
+    return found
+
+
+@pytest.mark.parametrize("off_s", [-5.0, -60.0, 60.0])
+@pytest.mark.parametrize("has_same_clock", [True, False])
+def test_a_receiver_whose_time_is_set_stops_the_robot(off_s: float, has_same_clock: bool) -> None:
+    if not has_same_clock and off_s > 0.0:
+        pytest.skip("only the order of its stamps counts")
+    time = [100.0]
+    clock = lambda: time[0]  # noqa: E731
+    gps = RosGps("the satellite receiver", SPEC, clock if has_same_clock else None, clock)
+    gps.fit(SPEC)
+    assert None not in fixes_after(time, gps, 3, 0.0)
+    assert fixes_after(time, gps, 3, off_s) == [None] * 3
+    with pytest.raises(StaleSensor, match=r"the satellite receiver \(fix\): .* ms old.*its stamp is"):
+        fixes_after(time, gps, 1, off_s)
+    assert None not in fixes_after(time, gps, 3, 60.0 if not has_same_clock else 0.0)
+
+
+def test_a_receiver_without_a_fix_is_no_fault_however_long() -> None:
+    time = [100.0]
+    gps = RosGps("the satellite receiver", SPEC, None, lambda: time[0])
+    gps.fit(SPEC)
+    assert fixes_after(time, gps, 60, 0.0, status=SimpleNamespace(status=-1)) == [None] * 60
+    gps.advance()
+    assert gps.fix() is None
+    with pytest.raises(StaleSensor, match="its place is nan"):
+        fixes_after(time, gps, 60, 0.0, latitude=math.nan)
 
 
 def test_a_receiver_without_an_origin_is_refused() -> None:

@@ -115,11 +115,14 @@ def test_remarks_that_are_alike_are_told_in_one_line() -> None:
         Remark(f"link {name!r}", f"a mass of {mass} kg", place)
         for name, mass, place in zip("abc", (0, -1, 2.5), at, strict=True)
     ]
-    lines = grouped([*alike, Remark("link 'a'", "no mass", at[0]), Remark("", "no wheels")])
+    postures = [Remark("", f"no posture {name!r}: return_book needs it") for name in ("look", "carry")]
+    lines = grouped([*alike, Remark("link 'a'", "no mass", at[0]), Remark("", "no wheels"), *postures])
     assert lines == [
         "r.urdf:4:3: link 'a': a mass of 0 kg (and 2 more links: b, c)",
         "r.urdf:4:3: link 'a': no mass",
         "no wheels",
+        "no posture 'look': return_book needs it",
+        "no posture 'carry': return_book needs it",
     ]
 
 

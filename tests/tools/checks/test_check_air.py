@@ -51,4 +51,4 @@ def test_a_robot_without_topics_is_refused(handcart: Callable[..., Said], tmp_pa
     file.write_text(file.read_text(encoding="utf-8").replace("ros2: {}", ""), encoding="utf-8")
     said = handcart("check", str(file), "--ros2", "--bench", "kinematic")
     assert said.status == 2
-    assert "no section 'ros2'" in said.err
+    assert f"the robot's file in {folder} has no section 'ros2'" in said.err

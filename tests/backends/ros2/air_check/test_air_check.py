@@ -22,6 +22,8 @@ from handcart.backends.ros2.wire.messages import set_stamp
 from handcart.files.errors import InputError
 from tests.backends.ros2.conftest import WORLD
 
+ARM = tuple(f"joint_{number}" for number in range(1, 7))
+
 SECONDS = 0.8
 
 
@@ -89,7 +91,20 @@ def test_a_bench_that_fits_has_no_findings(hear: Any) -> None:
         ({"odometry": {"topic": "odom", "frame": "map"}}, {}, "odometry", "frame is 'odom'; allowed: 'map'"),
         ({}, {"names": {"joint_2": "joint_2_motor"}}, "joint_states", "no message has the joint 'joint_2'"),
         ({}, {"reversed": ("joint_2",)}, "reversed", "beyond its limit"),
-        ({}, {"velocity": {"topic": "base/cmd_vel"}}, "velocity", "cmd_vel: nobody listens to it"),
+        (
+            {},
+            {"velocity": {"topic": "base/cmd_vel"}},
+            "velocity",
+            "cmd_vel: nobody listens to it; needed: a controller or driver that takes geometry_msgs/Twist;"
+            " there are base/cmd_vel",
+        ),
+        (
+            {"arm": {"actions": {"arm/goals": ARM}}},
+            {"arm": {"actions": {"left_arm/goals": ARM}}},
+            "arm",
+            "arm/goals: nobody serves the action; needed: a controller that takes"
+            " control_msgs/FollowJointTrajectory; there are left_arm/goals",
+        ),
         ({}, {"arm": {"controllers": {"lift": ()}}}, "arm", "arm_controller/joint_trajectory: nobody"),
     ],
 )
