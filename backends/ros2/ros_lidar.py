@@ -13,16 +13,22 @@ from handcart.backends.capabilities.scan import Scan
 from handcart.backends.description.sensor_specs import RangeSpec
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform
+from handcart.robotics.navigation.scans.beam_angles import ranges_at
 
 from .wire.topic_sensor import TopicSensor
 
 MAX_ANGLE_DIFFERENCE_DEG = 0.5
+MAX_COUNT_CHANGE = 0.03
+"""Difference in the number of beams from that of the robot's file, as a share of it; many drivers deliver
+what a turn had.
+"""
 
 
 class RosLidar(TopicSensor, RangeSensor):
     """Lidar whose raw scans are received from a ROS topic.
 
-    Scans with decreasing angles are reversed, and so are those of a lidar that is mounted upside down.
+    Scans with decreasing angles are reversed, and so are those of a lidar that is mounted upside down. Scans
+    with some beams more or less than the robot's file states are read at its angles.
     """
 
     KIND = "sensor_msgs/LaserScan"
@@ -48,17 +54,19 @@ class RosLidar(TopicSensor, RangeSensor):
 
     @override
     def _wrong(self, message: Any) -> str:
-        if len(message.ranges) != self._spec.beams:
+        count, beams = len(message.ranges), self._spec.beams
+        if abs(count - beams) > MAX_COUNT_CHANGE * beams:
             return f"it has {len(message.ranges)} beams; the robot's file says {self._spec.beams}"
         if not math.isfinite(message.angle_min) or not math.isfinite(message.angle_increment):
             return "its angles are not finite"
-        step = self._sign * message.angle_increment
-        first = self._sign * message.angle_min
-        ends = first, first + step * (len(message.ranges) - 1)
-        ends = ends if step > 0.0 else ends[::-1]
+        first, step = self._first_and_step(message)
+        if step == 0.0:
+            return "its angle_increment is 0"
+        ends = first, first + step * (count - 1)
+        allowed = MAX_ANGLE_DIFFERENCE_DEG + (0.0 if count == beams else math.degrees(1.5 * step))
         wanted = float(self._angles[0]), float(self._angles[-1])
         off = [math.degrees(math.remainder(a - b, 2.0 * math.pi)) for a, b in zip(ends, wanted, strict=True)]
-        if max(map(abs, off)) > MAX_ANGLE_DIFFERENCE_DEG:
+        if max(map(abs, off)) > allowed:
             received, kept = _degrees(ends), _degrees(wanted)
             return f"its beams are at {received} deg; the robot's file says {kept} deg"
         return ""
@@ -68,7 +76,15 @@ class RosLidar(TopicSensor, RangeSensor):
         scan = messages[-1]
         ranges = np.asarray(scan.ranges, dtype=np.float64)
         ranges = ranges.copy() if self._sign * scan.angle_increment > 0.0 else ranges[::-1].copy()
+        if len(ranges) != self._spec.beams:
+            ranges = ranges_at(*self._first_and_step(scan), ranges, self._angles)
         self._scan = Scan(self._angles.copy(), ranges, self._mount)
+
+    def _first_and_step(self, message: Any) -> tuple[float, float]:
+        """Return the angle of the first beam, counter-clockwise, and the step to the next, in [rad]."""
+        step = self._sign * message.angle_increment
+        first = self._sign * message.angle_min
+        return (first, step) if step >= 0.0 else (first + step * (len(message.ranges) - 1), -step)
 
 
 def _degrees(ends: tuple[float, float]) -> str:

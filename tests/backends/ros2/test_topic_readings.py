@@ -65,10 +65,32 @@ def test_a_lidar_upside_down_counts_the_other_way(start_deg: float, step_deg: fl
     assert np.degrees(scan.angles[first]) == pytest.approx(-start_deg)
 
 
+@pytest.mark.parametrize("count", [352, 359, 361, 370])
+@pytest.mark.parametrize("clockwise", [False, True])
+def test_scans_of_varying_length_are_read_at_the_files_angles(count: int, clockwise: bool) -> None:
+    """A wall in front at 2 m, of a driver that spreads over the circle what a turn had."""
+    time, step = Time(), 2 * np.pi / (count - 1)
+    lidar = lidar_of(time)
+    start, step = (np.pi, -step) if clockwise else (-np.pi, step)
+    scan = scan_at(100.0, count, start, step)
+    angles = start + step * np.arange(count)
+    with np.errstate(divide="ignore"):
+        scan.ranges = np.where(np.abs(angles) < 1.0, 2.0 / np.cos(angles), np.inf)
+    lidar.heard(scan)
+    lidar.advance()
+    assert not lidar.doubt
+    read = lidar.scan()
+    seen = np.abs(read.angles) < 0.98
+    assert read.ranges[seen] * np.cos(read.angles[seen]) == pytest.approx(2.0, abs=1e-3)
+    assert np.isposinf(read.ranges[np.abs(read.angles) > 1.02]).all()
+
+
 @pytest.mark.parametrize(
     ("scan", "words"),
     [
-        (scan_at(100.0, 359), "359 beams; the robot's file says 360"),
+        (scan_at(100.0, 340), "340 beams; the robot's file says 360"),
+        (scan_at(100.0, 359, start=-3.0), "its beams are at -171.9 to 186.1 deg"),
+        (scan_at(100.0, step=0.0), "its angle_increment is 0"),
         (scan_at(100.0, start=-3.0), "its beams are at -171.9 to 187.1 deg"),
         (scan_at(0.0), "it has no stamp (0); needed: a driver that stamps its readings"),
         (scan_at(40.0), "its stamp is 60 s old; allowed: 0.3 s"),
