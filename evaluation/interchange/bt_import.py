@@ -17,6 +17,8 @@ from .xml_tree import XmlElement, read_xml_tree
 VERBOSE_TAGS = ("Action", "Condition", "Control", "Decorator")
 """Tags whose attribute ID names the node."""
 SCRIPT_TAGS = ("Script", "ScriptCondition", "SetBlackboard", "UnsetBlackboard", "Precondition")
+REMAP_TAG = "remap"
+"""Child of a SubTree that names an entry of the blackboard inside and outside, in files of version 3."""
 QUIET_ATTRIBUTES = ("_description", "_fullpath", "_uid")
 
 
@@ -31,11 +33,11 @@ def import_tree(path: Path | str) -> Imported:
         wrong = f"the root element is {root.tag!r}; allowed: root, as BehaviorTree.CPP has it"
         raise FileError([Finding(str(path), root.line, root.column, wrong)])
     lost: dict[LostConstruct, None] = {}
+    _check_names(path, root)
     trees = {}
     for element in root.children:
         if element.tag == "BehaviorTree":
-            name = element.attributes.get("ID", "MainTree")
-            trees[name] = _tree(element, lost)
+            trees[_name(element)] = _tree(element, lost)
         elif element.tag != "TreeNodesModel":
             meaning = "a file that is included is not read" if element.tag == "include" else "it is dropped"
             lost[LostConstruct(element.line, element.column, f"<{element.tag}>", meaning)] = None
@@ -47,6 +49,21 @@ def import_tree(path: Path | str) -> Imported:
     flow = TreeFlow(draft, trees)
     start = flow.translate(main)
     return Imported(draft.data(start, backwards=True), tuple(sorted({**lost, **flow.lost})))
+
+
+def _name(tree: XmlElement) -> str:
+    return tree.attributes.get("ID", "MainTree")
+
+
+def _check_names(path: Path | str, root: XmlElement) -> None:
+    """Raise `FileError` for each tree that has the name of another one."""
+    first, findings = dict[str, XmlElement](), list[Finding]()
+    for tree in root.children:
+        if tree.tag == "BehaviorTree" and first.setdefault(_name(tree), tree) is not tree:
+            wrong = f"a second tree {_name(tree)!r}, the first is in line {first[_name(tree)].line}"
+            findings.append(Finding(str(path), tree.line, tree.column, f"{wrong}; allowed: one of each ID"))
+    if findings:
+        raise FileError(findings)
 
 
 def _main(path: Path | str, root: XmlElement, trees: dict[str, BehaviourNode]) -> str:
@@ -76,11 +93,21 @@ def _node(element: XmlElement, lost: dict[LostConstruct, None]) -> BehaviourNode
         ports.pop("BTCPP_format")
     for loss in _losses(element, kind, ports):
         lost[loss] = None
-    plain = {key: text for key, text in ports.items() if not key.startswith("_")}
-    children = tuple(_node(child, lost) for child in element.children)
+    plain = {key: text for key, text in ports.items() if not key.startswith("_")} | _remapped(element)
+    children = tuple(_node(child, lost) for child in element.children if child.tag != REMAP_TAG)
     if kind.startswith("Switch") and kind[6:].isdigit():
         return BehaviourNode("Fallback", name, {}, children, element.line, element.column)
     return BehaviourNode(kind, name, plain, children, element.line, element.column, f"<{kind}>")
+
+
+def _remapped(element: XmlElement) -> dict[str, str]:
+    """Return the ports that a subtree of version 3 is given by elements `remap`."""
+    remaps = [child.attributes for child in element.children if child.tag == REMAP_TAG]
+    return {
+        remap["internal"]: f"{{{remap['external']}}}"
+        for remap in remaps
+        if {"internal", "external"} <= remap.keys()
+    }
 
 
 def _losses(element: XmlElement, kind: str, ports: dict[str, str]) -> Iterator[LostConstruct]:

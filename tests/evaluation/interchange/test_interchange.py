@@ -131,6 +131,29 @@ def test_subtrees_get_their_ports(tmp_path: Path) -> None:
     assert found.lost == ()
 
 
+def test_subtree_of_version_3_gets_its_ports_by_remap(tmp_path: Path) -> None:
+    """The names inside and outside, through two trees."""
+    path, remap = tmp_path / "t.xml", '<remap internal="{}" external="{}"/>'
+    inner = f'<SubTree ID="q">{remap.format("at", "to")}</SubTree>'
+    parts = (
+        f'<BehaviorTree ID="p">{inner}</BehaviorTree><BehaviorTree ID="q"><Go place="{{at}}"/></BehaviorTree>'
+    )
+    body = f'<SubTree ID="p">{remap.format("to", "hall")}</SubTree>'
+    path.write_text(tree(body).replace("</root>", f"{parts}</root>"))
+    found = import_file(path)
+    assert found.data["actions"][0]["with"] == {"place": "{hall}"}
+    assert ["{hall} stays as text" in lost.meaning for lost in found.lost] == [True]
+
+
+def test_two_trees_of_one_name_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "t.xml"
+    path.write_text(tree("<A/>").replace("</root>", '<BehaviorTree ID="p"/>\n<BehaviorTree ID="p"/></root>'))
+    with pytest.raises(
+        FileError, match=r"t\.xml:2:1: a second tree 'p', the first is in line 1; allowed: one"
+    ):
+        import_file(path)
+
+
 def test_stand_ins_of_trees_and_machines_name_all_that_is_lost(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], read: Import
 ) -> None:
