@@ -16,9 +16,11 @@ from handcart.robotics.kinematics.urdf_contents import joints_of
 from handcart.robotics.kinematics.urdf_reading import UrdfFaults
 from handcart.robotics.kinematics.urdf_tree import FollowingJoint, with_still_joints
 
+from .driven_wheels import driven_wheels
 from .robot_parts import KeyPath, PartSpec, UrdfError, read_part, read_srdf
 
 Pair = tuple[str, str]
+FINGER_JOINTS = ("left_finger", "right_finger")
 
 
 class SourcePlace(NamedTuple):
@@ -115,6 +117,7 @@ def robot_urdf(
     links: dict[str, str] = {}
     joints_now: dict[str, str] = {}
     named = _mapped(roles, joints, places)
+    named[1].extend(_with_other_links(text, named[1]))
     if any(named):
         text, links, joints_now = with_names(text, *named)
     now = {"link": links, "joint": joints_now}
@@ -169,6 +172,21 @@ def _pairs(spec: PartSpec, folder: Path) -> list[Pair]:
     except ValueError as error:
         raise UrdfError(str(error), ("srdf",)) from error
     return [(spec.prefix + a, spec.prefix + b) for a, b in pairs]
+
+
+def _with_other_links(text: str, renamed: Sequence[Pair]) -> list[Pair]:
+    """Return the joints of wheels and fingers that keep their names, but whose links are called otherwise.
+
+    Programs look for the link of a wheel or finger by the joint's name, so those links get it.
+
+    Args:
+        text: the URDF.
+        renamed: joints that the robot's file renames: name in the URDF, new name.
+    """
+    links = {joint.name: joint.child for joint in joints_of(text)}
+    taken = {name for pair in renamed for name in pair}
+    names = (*driven_wheels(links).all, *FINGER_JOINTS)
+    return [(name, name) for name in names if links.get(name, name) != name and name not in taken]
 
 
 def _mapped(

@@ -12,6 +12,7 @@ from handcart.robotics.kinematics.urdf_reading import UrdfElement, UrdfFault, re
 
 JOINT_KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 _BOUNDED = ("revolute", "prismatic")
+_UNDRIVEN = ("floating", "planar")
 _TURNED = (*_BOUNDED, "continuous", "planar")  # they have an axis
 _SOLIDS: dict[str, tuple[str, ...]] = {
     "box": (),
@@ -157,6 +158,9 @@ def _joint_faults(
     for dynamics in _children(joint, "dynamics"):
         for key in ("damping", "friction"):
             yield from _number_fault(title, dynamics, key, largest=_NO_LIMIT)
+    if kind in _UNDRIVEN:
+        words = f"{title}: a {kind} joint is not driven: what it carries is taken as fixed; allowed: "
+        yield joint.fault(f"{words}{', '.join((*_BOUNDED, 'continuous', 'fixed'))}")._replace(mild=True)
     axis = _child(joint, "axis")
     if axis is not None and kind in _TURNED:
         yield from _axis_faults(title, axis)
@@ -200,7 +204,13 @@ def _limit_faults(title: str, limit: UrdfElement, kind: str) -> Iterator[UrdfFau
         for fault in _number_fault(title, limit, key, needed=key in needed, largest=_NO_LIMIT)
     ]
     yield from faults
-    if faults or kind not in _BOUNDED:
+    if faults:
+        return
+    for key in ("effort", "velocity"):
+        if _number(limit, key) < 0.0:
+            words = f"{title}: its {key} limit is {_number(limit, key):g} and counts as none"
+            yield limit.fault(f"{words}; allowed: 0 or more")._replace(mild=True)
+    if kind not in _BOUNDED:
         return
     lower, upper = (_number(limit, key) for key in ("lower", "upper"))
     if lower > upper:

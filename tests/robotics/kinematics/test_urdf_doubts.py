@@ -71,3 +71,19 @@ def test_follower_of_a_follower_is_driven_by_the_first() -> None:
     )
     (found,) = urdf_faults(text.replace("</robot>", f"{middle}</robot>"))
     assert "'j0' drives it from 0.1 to 1.1 rad" in found.message
+
+
+@pytest.mark.parametrize("kind", ["revolute", "continuous"])
+@pytest.mark.parametrize("key", ["effort", "velocity"])
+def test_negative_effort_or_speed_is_told(kind: str, key: str) -> None:
+    """Some makers write -1 for a limit that they do not know."""
+    text = URDF.format(kind=kind, low=-1, high=1, mimic="").replace(f'{key}="1"', f'{key}="-1"', 1)
+    (fault,) = urdf_faults(text)
+    assert fault.mild
+    assert fault.message == f"joint 'j1': its {key} limit is -1 and counts as none; allowed: 0 or more"
+
+
+@pytest.mark.parametrize("kind", ["floating", "planar"])
+def test_joint_that_no_drive_moves_is_told(kind: str) -> None:
+    (told,) = doubts(kind, 0, 0)
+    assert told.startswith(f"2: joint 'j1': a {kind} joint is not driven: what it carries is taken as fixed")
