@@ -134,7 +134,17 @@ def load_map(path: Path) -> tuple[GridMap, str | None]:
         FileError: the file or its picture is missing or wrong.
     """
     read = read_occupancy(path)
-    return read.grid, read.warning
+    grid = read.grid
+    return grid, "\n".join(filter(None, [read.warning, _nothing_free(path, grid)])) or None
+
+
+def _nothing_free(path: Path, grid: GridMap) -> str | None:
+    """Return a warning about a map on which nothing can drive; None if a cell is free."""
+    occupied, unknown = int(grid.occupied.sum()), int(grid.unknown.sum())
+    if occupied + unknown < grid.occupied.size:
+        return None
+    words = f"no cell is free: {occupied} occupied, {unknown} unknown; check free_thresh, negate and mode"
+    return str(Finding(str(path), 1, 1, f"{words}, and the picture's transparency (it counts as unknown)"))
 
 
 def read_occupancy(path: Path) -> OccupancyFile:

@@ -200,6 +200,14 @@ def test_unknown_cells_read_as_free_are_reported_with_a_remedy(chart: Path) -> N
     assert load_map(scale)[1] is None
 
 
+def test_map_without_a_free_cell_is_reported(chart: Path) -> None:
+    """A picture whose colours are all half transparent, as some programs export a layer."""
+    pixels = np.array([[[0, 0, 0, 128], [254, 254, 254, 128], [255, 255, 255, 128]]], dtype=np.uint8)
+    Image.fromarray(pixels).save(chart.parent / "map.png")
+    _, warning = load_map(changed(chart, ("map.pgm", "map.png")))
+    assert "map.yaml:1:1: no cell is free: 0 occupied, 3 unknown; check free_thresh, negate" in str(warning)
+
+
 @pytest.mark.parametrize("suffix", ["tif", "tiff", "webp"])
 def test_pictures_of_mapping_programs_are_read(chart: Path, suffix: str) -> None:
     Image.fromarray(np.array([LEVELS], dtype=np.uint8)).save(chart.parent / f"map.{suffix}", lossless=True)
