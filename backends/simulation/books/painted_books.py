@@ -54,11 +54,11 @@ def painted(books: BooksThere, rests: frozenset[Rest]) -> Iterator[Painted]:
     """
     if Rest.TABLE in rests:
         for shelf in books.shelves.values():
-            yield Painted(shelf.pose[:3, 3], partial(_shelf, books=books, shelf=shelf))
+            yield Painted(shelf.outer_box(), partial(_shelf, books=books, shelf=shelf))
     for book in books.books.values():
         inside = book.rest is Rest.HAND and any(_reaches_in(book, spec) for spec in books.shelves.values())
         if book.rest in rests & {Rest.TRAY, Rest.HAND} and not inside:
-            yield Painted(book.box().pose[:3, 3], partial(_book, book=book, shelf=None))
+            yield Painted(book.box(), partial(_book, book=book, shelf=None))
 
 
 def _light(shelf: SimulatedShelf, depth: float) -> float:

@@ -59,7 +59,7 @@ class SimulatedShelf:
     def parts(self) -> dict[str, Box]:
         """Return all solid parts of the shelf, without books, as boxes in the world, by name of the part."""
         half, outer = self.half_width, self.half_width + PANEL_THICKNESS_M
-        low = min(self.spec.closed_from_m - self.spec.board_m, -BOARD_THICKNESS_M - BACK_THICKNESS_M)
+        low = self._low
         bounds = {
             "board": ((0.0, -half, -BOARD_THICKNESS_M), (SHELF_DEPTH_M, half, 0.0)),
             "plinth": ((0.0, -half, low), (SHELF_DEPTH_M, half, -BOARD_THICKNESS_M)),
@@ -76,6 +76,18 @@ class SimulatedShelf:
             f"object {i + 1}": self._object_ends(object_) for i, object_ in enumerate(self.spec.objects)
         }
         return {part: self._box(part, *ends) for part, ends in bounds.items()}
+
+    def outer_box(self) -> Box:
+        """Return the box in the world around the shelf, from its lowest part to the top of its panels."""
+        outer = self.half_width + PANEL_THICKNESS_M
+        return self._box(
+            "outside", (0.0, -outer, self._low), (SHELF_DEPTH_M + BACK_THICKNESS_M, outer, PANEL_HEIGHT_M)
+        )
+
+    @property
+    def _low(self) -> float:
+        """Lowest z of the shelf in its frame S, in [m]."""
+        return min(self.spec.closed_from_m - self.spec.board_m, -BOARD_THICKNESS_M - BACK_THICKNESS_M)
 
     def solids(self) -> list[Solid]:
         """Return the solids of the shelf for a world; the grey of its inner parts is multiplied by the factor

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
 
 from handcart.backends.description.simulated_errors import Errors
 from handcart.backends.simulation.world.canvas import Canvas
-from handcart.backends.simulation.world.painting import paint_box
+from handcart.backends.simulation.world.paint_order import painting_order
+from handcart.backends.simulation.world.painting import Painted, paint_sheet, plain_box
 from handcart.backends.simulation.world.scene import Scene
 from handcart.backends.simulation.world.thing import Rest
 from handcart.robotics.geometry.transform import Transform, transform
@@ -25,8 +27,8 @@ _AROUND = frozenset({Rest.TABLE, Rest.FLOOR})
 class Renderer:
     """Renderer of the pictures that one grey camera takes of a simulated scene.
 
-    It paints convex bodies face by face, far ones first (painter's algorithm). Of the robot only the
-    fingers and the tray are shown.
+    It paints convex bodies face by face, each after those that it hides (painter's algorithm). Of the robot
+    only the fingers and the tray are shown.
     """
 
     def __init__(self, camera: CameraModel, errors: Errors, seed: int) -> None:
@@ -68,25 +70,24 @@ def paint_scene(scene: Scene, K: FloatArray, size: tuple[int, int], world_T_came
         world_T_camera: (4, 4) pose of the optical frame (z forward, x right, y down).
     """
     canvas = Canvas(K, size, world_T_camera, _BACKGROUND)
-    _room(canvas, scene)
-    for sheet in (sheet for props in scene.props.values() for sheet in props.sheets()):
-        if canvas.seen_from_front(sheet.pose[:3, 3], sheet.pose[:3, 2]):
-            canvas.texture(sheet.levels, sheet.face())
-    _things(canvas, scene, _AROUND)
-    _robot(canvas, scene)
-    return canvas.picture
-
-
-def _room(canvas: Canvas, scene: Scene) -> None:
     x, y = canvas.eye[:2]
     floor = np.array([[-30, -30, 0], [30, -30, 0], [30, 30, 0], [-30, 30, 0]]) + np.array([x, y, 0.0])
     canvas.polygon(floor, _FLOOR)
+    shown = [*_room(canvas, scene), *_sheets(scene), *_things(canvas, scene, _AROUND), *_robot(canvas, scene)]
+    for number in painting_order(canvas, [item.box for item in shown]):
+        shown[number].paint(canvas)
+    return canvas.picture
+
+
+def _room(canvas: Canvas, scene: Scene) -> Iterator[Painted]:
+    """Yield walls and furniture, what is low and near last: if it reaches into a wall, it is painted over
+    the wall.
+    """
     there = [s for s in scene.plain_solids if s.appears <= scene.time < s.leaves]
-    # Draw walls after furniture: seen from within a room, nothing behind a wall is visible.
     there.sort(key=lambda s: (s.box.size[2] < 2.0, -_away(canvas, s.box)))
     for solid in there:
         plain = _WALL if solid.box.name.startswith("wall") else _FURNITURE
-        paint_box(canvas, solid.box, plain if solid.grey is None else solid.grey)
+        yield plain_box(solid.box, plain if solid.grey is None else solid.grey)
 
 
 def _away(canvas: Canvas, box: Box) -> float:
@@ -94,24 +95,27 @@ def _away(canvas: Canvas, box: Box) -> float:
     return float(np.linalg.norm(box.pose[:2, 3] - canvas.eye[:2]))
 
 
-def _things(canvas: Canvas, scene: Scene, resting: frozenset[Rest]) -> None:
-    """Paint the things with these supports, the nearest one last."""
+def _sheets(scene: Scene) -> Iterator[Painted]:
+    return (paint_sheet(sheet) for props in scene.props.values() for sheet in props.sheets())
+
+
+def _things(canvas: Canvas, scene: Scene, resting: frozenset[Rest]) -> list[Painted]:
+    """Return the things with these supports, the nearest one last."""
     there = [painted for props in scene.props.values() for painted in props.painted(resting)]
-    there.sort(key=lambda item: -float(np.linalg.norm(item.middle - canvas.eye)))
-    for item in there:
-        item.paint(canvas)
+    there.sort(key=lambda item: -float(np.linalg.norm(item.box.pose[:3, 3] - canvas.eye)))
+    return there
 
 
-def _robot(canvas: Canvas, scene: Scene) -> None:
-    """Paint the tray and its load, then the hand's load and fingers, which nothing hides."""
+def _robot(canvas: Canvas, scene: Scene) -> Iterator[Painted]:
+    """Yield the tray and its load, then the hand's load and fingers."""
     if scene.arm is None:
         return
     if scene.robot.has_tray:
         tray = scene.robot.tray_shape
         middle = scene.world_T_base @ transform((*tray.middle, tray.top - tray.size[2] / 2))
-        paint_box(canvas, Box(middle, tray.size), scene.robot.tray_grey)
-    _things(canvas, scene, frozenset({Rest.TRAY}))
-    _things(canvas, scene, frozenset({Rest.HAND}))
+        yield plain_box(Box(middle, tray.size), scene.robot.tray_grey)
+    yield from _things(canvas, scene, frozenset({Rest.TRAY}))
+    yield from _things(canvas, scene, frozenset({Rest.HAND}))
     if scene.robot.gripper is None:
         return
     hand, finger = scene.world_T("hand"), scene.robot.finger_shape
@@ -119,4 +123,4 @@ def _robot(canvas: Canvas, scene: Scene) -> None:
         middle = hand @ transform(
             (finger.tip - finger.length / 2, side * (scene.width + finger.thickness) / 2, 0.0)
         )
-        paint_box(canvas, Box(middle, (finger.length, finger.thickness, finger.height)), METAL_GREY)
+        yield plain_box(Box(middle, (finger.length, finger.thickness, finger.height)), METAL_GREY)

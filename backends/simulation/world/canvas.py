@@ -57,6 +57,28 @@ class Canvas:
         rays = (corners - self.eye) @ self._projection.T
         return not (rays[:, 2] < _NEAREST).any() and self._outside(rays[:, :2] / rays[:, 2:])
 
+    def rectangles(self, corners: FloatArray) -> FloatArray:
+        """Return the rectangle of the picture, with what is beyond its edges, that each body is within.
+
+        It is infinite if a part of the body is beside or behind the camera, and empty (least columns and rows
+        above the largest) if all of it is, or if the body is outside the picture.
+
+        Args:
+            corners: (n, k, 3) corners of convex bodies in the world, in [m].
+
+        Returns:
+            (n, 4) least column and row, largest column and row, in [px].
+        """
+        rays = (corners - self.eye) @ self._projection.T
+        ahead = rays[:, :, 2] >= _NEAREST
+        pixels = rays[:, :, :2] / np.where(ahead, rays[:, :, 2], 1.0)[:, :, None]
+        low, high = pixels.min(axis=1), pixels.max(axis=1)
+        low[~ahead.all(axis=1)], high[~ahead.all(axis=1)] = -np.inf, np.inf
+        edge = np.array(self.picture.shape[::-1]) - 1
+        unseen = ~ahead.any(axis=1) | (high < 0).any(axis=1) | (low > edge).any(axis=1)
+        low[unseen], high[unseen] = np.inf, -np.inf
+        return np.hstack((low, high))
+
     def polygon(self, corners: FloatArray, grey: int) -> None:
         """Paint a flat convex face in one grey.
 
@@ -90,12 +112,13 @@ class Canvas:
         size = np.array([levels[0][0].shape[1], levels[0][0].shape[0]]) * levels[0][1]
         corners = face[:3, 3] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * size @ face[:3, :2].T
         rays = (corners - self.eye) @ self._projection.T
-        if (rays[:, 2] < _NEAREST).any():
+        is_cut = bool((rays[:, 2] < _NEAREST).any())
+        if is_cut and len(rays := _before(rays)) < 3:
             return
         pixels = rays[:, :2] / rays[:, 2:]
         if self._outside(pixels):
             return
-        picture, metres = self._level(levels, pixels, size)
+        picture, metres = levels[0] if is_cut else self._level(levels, pixels, size)
         self._warp(picture if shade is None else shade(picture), metres, face, pixels)
 
     def _level(
@@ -118,14 +141,14 @@ class Canvas:
 
     def _warp(self, picture: ByteArray, metres: float, face: Transform, pixels: FloatArray) -> None:
         height, width = self.picture.shape
-        left, top = np.maximum(np.floor(pixels.min(axis=0)).astype(int) - 1, 0)
-        right, bottom = np.minimum(np.ceil(pixels.max(axis=0)).astype(int) + 2, (width, height))
+        left, top = (int(item) for item in np.maximum(np.floor(pixels.min(axis=0)) - 1, 0))
+        right, bottom = (int(item) for item in np.minimum(np.ceil(pixels.max(axis=0)) + 2, (width, height)))
         # A picture's pixel (column, row) has its centre half a pixel in.
         to_metres = np.array([[metres, 0.0, metres / 2], [0.0, metres, metres / 2], [0.0, 0.0, 1.0]])
         plane = np.column_stack((face[:3, 0], face[:3, 1], face[:3, 3] - self.eye))
         to_window = np.array([[1.0, 0.0, -left], [0.0, 1.0, -top], [0.0, 0.0, 1.0]])
         homography = to_window @ self._projection @ plane @ to_metres
-        window = (int(right - left), int(bottom - top))
+        window = (right - left, bottom - top)
         warped = cv2.warpPerspective(
             picture, homography, window, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
         )
@@ -140,11 +163,11 @@ class Canvas:
 
 
 def _cover(pixels: FloatArray, window: tuple[int, int]) -> SingleArray:
-    """Return the share (h, w), 0 to 1, of each pixel that a convex quadrangle covers: distance to its edges +
+    """Return the share (h, w), 0 to 1, of each pixel that a convex polygon covers: distance to its edges +
     1/2.
 
     Args:
-        pixels: (4, 2) columns and rows of its corners, in order.
+        pixels: (n, 2) columns and rows of its corners, in order.
         window: width and height of the window, in [px].
     """
     columns = np.arange(window[0], dtype=np.float32)

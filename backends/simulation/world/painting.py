@@ -9,7 +9,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from handcart.backends.simulation.world.sheet import Levels
+from handcart.backends.simulation.world.sheet import Levels, Sheet
 from handcart.backends.simulation.world.thing import Side, Thing
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
@@ -47,12 +47,10 @@ INSCRIBED_SQUARE_RATIO = float(np.sqrt(0.5))  # of a circle's diameter: side of 
 
 
 class Painted(NamedTuple):
-    """Position of a scene's object, for painting distant objects first, and the function that paints the
-    object.
-    """
+    """Object of a scene as the function that paints it, and the box around it."""
 
-    middle: FloatArray
-    """Middle (3,) of the object in the world, in [m]; more distant objects are painted first."""
+    box: Box
+    """Box around the object, in the world, by which it is painted before objects that hide it."""
     paint: Callable[[Canvas], None]
 
 
@@ -60,7 +58,19 @@ def paint_thing(thing: Thing) -> Painted:
     """Return a box or cylinder as a drawable object, in its grey, with the pictures that are printed on
     it.
     """
-    return Painted(thing.box().pose[:3, 3], partial(_thing, thing=thing))
+    return Painted(thing.box(), partial(_thing, thing=thing))
+
+
+def plain_box(box: Box, grey: int) -> Painted:
+    """Return a box of one grey, 0 to 255, as a drawable object."""
+    return Painted(box, partial(paint_box, box=box, grey=grey))
+
+
+def paint_sheet(sheet: Sheet) -> Painted:
+    """Return a printed sheet as a drawable object, which is seen from above."""
+    picture, metres = sheet.levels[0]
+    height, width = picture.shape
+    return Painted(Box(sheet.pose, (width * metres, height * metres, 0.0)), partial(_sheet, sheet=sheet))
 
 
 def paint_box(canvas: Canvas, box: Box, grey: int, sides: tuple[int, ...] = (0, 1, 2, 3, 4, 5)) -> None:
@@ -77,6 +87,11 @@ def paint_box(canvas: Canvas, box: Box, grey: int, sides: tuple[int, ...] = (0, 
     for i in sides:
         if canvas.seen_from_front(corners[i][0], normals[i]):
             canvas.polygon(corners[i], min(255, round(grey * _SHADE[i])))
+
+
+def _sheet(canvas: Canvas, sheet: Sheet) -> None:
+    if canvas.seen_from_front(sheet.pose[:3, 3], sheet.pose[:3, 2]):
+        canvas.texture(sheet.levels, sheet.face())
 
 
 def _thing(canvas: Canvas, thing: Thing) -> None:

@@ -71,3 +71,62 @@ def test_from_behind_a_shelf_no_spine_is_seen() -> None:
     world = scene()
     behind = world.of(BookProps).shelves["s"].pose @ transform((1.0, 0.0, 0.1), (0.0, 0.0, np.pi)) @ OPTICAL
     assert read_tags(picture(world, behind)) == []
+
+
+WALL = {"from_m": [0.5, -2.0], "to_m": [0.5, 2.0]}
+PILLAR = {"name": "pillar", "x_m": 0.5, "y_m": 0.0, "size_m": [0.1, 0.3, 2.2]}
+LOW_PILLAR = PILLAR | {"size_m": [0.1, 0.3, 1.5]}
+FAR_BENCH = {"name": "wall bench", "x_m": 2.0, "y_m": 0.0, "size_m": [0.2, 1.2, 1.5]}
+FAR_CUPBOARD = FAR_BENCH | {"name": "wall cupboard", "size_m": [0.2, 1.2, 2.2]}
+TABLE = {"name": "t", "x_m": 1.0, "y_m": 0.0, "size_m": [0.6, 0.6, 1.2], "foot_m": [0.1, 0.1]}
+
+
+def room(height: float = 1.2, **sections: list[dict[str, object]]) -> Scene:
+    tag = {"id": 3, "face": "-x", "side_mm": 100}
+    box = {"name": "box", "size_mm": [200.0, 200.0, 200.0], "x_m": 1.0, "y_m": 0.0}
+    start = {"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}}
+    objects = [box | {"height_m": height, "tags": [tag]}]
+    file = world_model().model_validate(start | sections | {"objects": objects})
+    return build_scene(load_robot("librarian"), file, seed=0)
+
+
+def seen_at(world: Scene, z: float) -> ByteArray:
+    return picture(world, transform((0.0, 0.0, z)) @ OPTICAL)
+
+
+@pytest.mark.parametrize(
+    ("sections", "z", "read"),
+    [
+        ({}, 1.3, [3]),
+        ({"walls": [WALL]}, 1.3, []),
+        ({"furniture": [PILLAR]}, 1.3, []),
+        ({"furniture": [LOW_PILLAR, FAR_CUPBOARD]}, 1.3, []),
+        ({"furniture": [FAR_BENCH]}, 1.3, [3]),
+        ({"tables": [TABLE]}, 1.3, [3]),
+        ({"tables": [TABLE]}, 1.5, [3]),
+    ],
+)
+def test_a_tag_is_read_only_if_nothing_stands_before_it(
+    sections: dict[str, list[dict[str, object]]], z: float, read: list[int]
+) -> None:
+    found = read_tags(seen_at(room(**sections), z), family="apriltag_36h11")
+    assert [tag.id for tag in found] == read
+
+
+def test_a_thing_on_the_floor_is_hidden_by_the_table_above_it() -> None:
+    world = room(height=0.0, tables=[TABLE])
+    above = transform((1.0, 0.0, 1.7), (0.0, np.pi / 2, 0.0)) @ OPTICAL
+    bare = room(height=3.0, tables=[TABLE])
+    assert np.array_equal(picture(world, above), picture(bare, above))
+
+
+@pytest.mark.parametrize("near", [PILLAR, LOW_PILLAR])
+@pytest.mark.parametrize("far", [FAR_BENCH, FAR_CUPBOARD])
+def test_near_furniture_hides_farther_furniture_of_any_height(near: object, far: object) -> None:
+    both = {"furniture": [near, far]}
+    alone = {"furniture": [near]}
+    columns = slice(200, 440)
+    assert np.array_equal(
+        seen_at(room(height=3.0, **both), 1.0)[300:, columns],  # type: ignore[arg-type]
+        seen_at(room(height=3.0, **alone), 1.0)[300:, columns],  # type: ignore[arg-type]
+    )

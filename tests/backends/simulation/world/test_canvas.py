@@ -36,3 +36,15 @@ def test_face_behind_the_camera_is_hidden_and_one_across_is_clipped() -> None:
     # It ends at the horizon: 0.1 m below the eye, 5 m away, is 16 px below the middle.
     assert painted.picture[:94].max() == 0
     assert painted.picture[99:].min() == 255
+
+
+def test_a_printed_face_across_the_camera_is_shown_up_to_it() -> None:
+    picture = np.full((100, 100), 255, dtype=np.uint8)
+    picture[:, :50] = 100
+    floor = np.array([[1.0, 0, 0, -1.0], [0, 0, 1.0, 0.08], [0, 1.0, 0, -1.0], [0, 0, 0, 1.0]])
+    painted = canvas()
+    painted.texture([(picture, 0.02)], floor)
+    # The face ends 1 m before the eye and 0.08 m below it: 64 px below the middle.
+    assert painted.picture[:143].max() == 0
+    assert painted.picture[158, 20] == 100
+    assert painted.picture[158, 180] == 255
