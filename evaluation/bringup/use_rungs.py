@@ -14,6 +14,7 @@ from handcart.backends.backend import Backend
 from handcart.backends.can.can_backend import CanBackend
 from handcart.backends.capabilities.base import Base
 from handcart.backends.capabilities.range_sensor import RangeSensor
+from handcart.backends.capabilities.scan import Scan
 from handcart.backends.robot.localization.lidar import Lidar
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER, Rig
 from handcart.evaluation.trials.running import run_task
@@ -37,6 +38,9 @@ PROTRACTOR_ACCURACY_RAD = math.radians(1.0)
 WAY, TURNS = 1.0, 1
 """Motions of the base, in [m] and whole turns."""
 SCAN_COUNT = 100
+"""Number of scans from which the spread of the ranges is measured."""
+MIN_SCAN_COUNT = 20
+SCANNING_TIMEOUT_S = 30.0
 RETURNS_SHARE = 0.8  # of them, in which a beam returns, to be measured
 _SETTLE = 1.0  # [s]
 
@@ -93,17 +97,13 @@ def _measure_ranges(site: RobotSite, backend: Backend, found: dict[str, Calibrat
         facts["range_sensor"] = "none"
         return
     sensor = Lidar(found_sensor, site.robot)
-    scans = []
-    for _ in range(SCAN_COUNT):
-        backend.step()
-        scans.append(sensor.scan().ranges)
-    ranges = np.array(scans)
+    ranges = np.array([scan.ranges for scan in _new_scans(sensor, backend)])
     ranges[~np.isfinite(ranges)] = np.nan
     seen = np.isfinite(ranges).mean(axis=0) >= RETURNS_SHARE
     if not seen.any():
         raise RungFailed(sensor.silence or "the range sensor sees nothing: no beam returns steadily")
     sigma = 1e3 * float(np.median(np.nanstd(ranges[:, seen], axis=0, ddof=1)))
-    found["range_sensor.sigma_mm"] = Calibrated(sigma, sigma / math.sqrt(2 * SCAN_COUNT))
+    found["range_sensor.sigma_mm"] = Calibrated(sigma, sigma / math.sqrt(2 * (len(ranges) - 1)))
     ahead = int(np.argmin(np.abs(sensor.scan().angles)))
     nearest = int(np.flatnonzero(seen)[np.argmin(np.abs(np.flatnonzero(seen) - ahead))])
     reading = float(np.nanmean(ranges[:, nearest]))
@@ -112,6 +112,7 @@ def _measure_ranges(site: RobotSite, backend: Backend, found: dict[str, Calibrat
     measured = site.number("range_m", question, reading)
     facts |= {
         "range_sigma_mm": round(sigma, 2),
+        "scans": len(ranges),
         "range_m": round(reading, 4),
         "range_by_tape_m": measured,
     }
@@ -119,6 +120,25 @@ def _measure_ranges(site: RobotSite, backend: Backend, found: dict[str, Calibrat
     if abs(measured - reading) > allowed:
         wrong = f"the range sensor tells {reading:.3f} m, the tape {measured:.3f} m"
         raise RungFailed(f"{wrong}; allowed: {allowed:.3f} m apart")
+
+
+def _new_scans(sensor: Lidar, backend: Backend) -> list[Scan]:
+    """Return `SCAN_COUNT` scans of a robot at rest, each once although a slow lidar repeats its scans.
+
+    Raises:
+        RungFailed: fewer than `MIN_SCAN_COUNT` came within `SCANNING_TIMEOUT_S`.
+    """
+    scans = [sensor.scan()]
+    for _ in range(round(SCANNING_TIMEOUT_S / backend.period)):
+        backend.step()
+        if sensor.scan() is not scans[-1]:
+            scans.append(sensor.scan())
+        if len(scans) > SCAN_COUNT:
+            break
+    if len(scans) <= MIN_SCAN_COUNT:
+        came = f"{len(scans) - 1} new scans came within {SCANNING_TIMEOUT_S:g} s"
+        raise RungFailed(f"the range sensor: {came}; needed: {MIN_SCAN_COUNT}")
+    return scans[1:]
 
 
 def _drive(

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
+from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from typing_extensions import override
 
 from handcart.backends.capabilities.arm import Arm
+from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.capabilities.scan import Scan
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.loading.robot_loading import load_robot
@@ -25,8 +29,11 @@ from handcart.evaluation.bringup.ros.scan_turn import check_side
 from handcart.evaluation.bringup.ros.silence_rung import SilenceRung
 from handcart.evaluation.bringup.ros.unit_words import unit_hint
 from handcart.evaluation.bringup.rung import RungFailed
+from handcart.evaluation.bringup.use_rungs import RangesRung
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
 from handcart.files.errors import InputError
+from handcart.files.models.loading import load
+from handcart.networks.runs.calibration import CALIBRATION_FILE, Calibration
 from handcart.robotics.geometry.pose2 import Pose2
 
 
@@ -254,3 +261,45 @@ def test_wrong_differences_are_told_at_once(librarian: RobotFile) -> None:
 )
 def test_a_ratio_suggests_its_cause(read: float, true: float, words: str) -> None:
     assert words in unit_hint(read, true)
+
+
+class SlowLidar(RangeSensor):
+    """Lidar that delivers a new scan every `every` readings, and the same object in between."""
+
+    def __init__(self, every: int) -> None:
+        self._every, self._readings, self._draws = every, 0, np.random.default_rng(0)
+        self._scan: Scan | None = None
+
+    @override
+    def scan(self) -> Scan:
+        if self._scan is None or self._readings % self._every == 0:
+            ranges = 1.0 + 0.01 * self._draws.standard_normal(360)
+            self._scan = Scan(np.linspace(-3.1, 3.1, 360), ranges, Pose2(0.0, 0.0, 0.0))
+        self._readings += 1
+        return self._scan
+
+
+def with_lidar(site: RosSite, lidar: SlowLidar, monkeypatch: pytest.MonkeyPatch) -> RosSite:
+    steps = SimpleNamespace(period=0.05, get=lambda kind: lidar, step=lambda: None)
+    monkeypatch.setattr(site, "backend", lambda: nullcontext(steps))
+    monkeypatch.setattr(site.operator, "number", lambda *_: 1.0)
+    site.folder.mkdir()
+    return site
+
+
+def test_the_spread_of_ranges_counts_each_scan_once(site_of: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    site = with_lidar(site_of("cart"), SlowLidar(12), monkeypatch)
+    facts = RangesRung().climb(site)
+    # 30 s at 20 periods a second have 600 readings or more: at most two a period.
+    assert 50 <= facts["scans"] <= 101
+    found = load(site.folder / CALIBRATION_FILE, Calibration).found["range_sensor.sigma_mm"]
+    assert found.value == pytest.approx(10.0, rel=0.05)
+    assert found.sigma == pytest.approx(10.0 / math.sqrt(2 * facts["scans"]), rel=0.1)
+
+
+def test_a_lidar_that_repeats_its_scans_is_not_calibrated(
+    site_of: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    site = with_lidar(site_of("cart"), SlowLidar(10_000), monkeypatch)
+    with pytest.raises(RungFailed, match="0 new scans came within 30 s; needed: 20"):
+        RangesRung().climb(site)
