@@ -58,13 +58,14 @@ class CalibrationRung(Rung[Site]):
         with site.backend() as backend:
             if not site.confirm("clear", f"Is the way clear? The base drives {WAY} m and turns on the spot."):
                 raise RungFailed("the way wasn't clear")
-            self._radius(site, backend, found, facts)
-            self._tread(site, backend, found, facts)
+            stretch = self._radius(site, backend, found, facts)
+            self._tread(site, backend, stretch, found, facts)
             _measure_ranges(site, backend, found, facts)
         facts["review"] = f"handcart adopt {_write(site, found)}"
         return facts
 
-    def _radius(self, site: Site, backend: CanBackend, found: dict[str, Calibrated], facts: Facts) -> None:
+    def _radius(self, site: Site, backend: CanBackend, found: dict[str, Calibrated], facts: Facts) -> float:
+        """Calibrate the wheels' radius; return the ratio of the true way to that of the encoders."""
         before = _true_pose(backend)
         rolled = _drive(site, backend, HAND_SPEED, 0.0, lambda left, right: (left + right) / 2 >= WAY)
         way = (rolled[0] + rolled[1]) / 2
@@ -73,8 +74,12 @@ class CalibrationRung(Rung[Site]):
         radius = site.robot.drive.wheel_radius_m * measured / way
         found["drive.wheel_radius_m"] = Calibrated(radius, radius * TAPE_ACCURACY_M / way)
         facts |= {"way_by_encoder_m": round(way, 4), "way_m": round(measured, 4)}
+        return measured / way
 
-    def _tread(self, site: Site, backend: CanBackend, found: dict[str, Calibrated], facts: Facts) -> None:
+    def _tread(
+        self, site: Site, backend: CanBackend, stretch: float, found: dict[str, Calibrated], facts: Facts
+    ) -> None:
+        """Calibrate the tread for wheels of the calibrated radius, whose way is longer by `stretch`."""
         drive = site.robot.drive
         turn = min(0.5, HAND_SPEED / site.robot.footprint_radius_m)
         goal = 2.0 * math.pi * TURNS * drive.tread_m / 2
@@ -84,7 +89,7 @@ class CalibrationRung(Rung[Site]):
         true = before + by_encoder + _wrapped(_true_pose(backend)[2] - before - by_encoder)
         question = "Angle that it turned to the left, by marks on the floor [deg]?"
         measured = math.radians(_positive(site, "turn_deg", question, math.degrees(true - before)))
-        tread = (right - left) / measured
+        tread = stretch * (right - left) / measured
         found["drive.tread_m"] = Calibrated(tread, tread * PROTRACTOR_ACCURACY_RAD / measured)
         facts |= {"turn_by_encoder_deg": round(math.degrees(by_encoder), 2)}
         facts |= {"turn_deg": round(math.degrees(measured), 2)}

@@ -45,7 +45,7 @@ class GripperRung(Rung[RosSite]):
             for share in OPENING_RATIOS:
                 wanted = share * spec.opening_mm / 1e3
                 with site.operator.hold("gripper: hold the space bar; letting go stops it") as held:
-                    read, latency = _open_to(backend, wanted, held)
+                    read, latency = _open_to(backend, wanted, spec.speed_mm_s / 1e3, held)
                 truth = backend.ground_truth()
                 key = f"width_at_{100 * share:.0f}_percent_mm"
                 question = f"How wide are the fingers open, by a ruler [mm]? (commanded: {1e3 * wanted:.0f})"
@@ -60,8 +60,8 @@ class GripperRung(Rung[RosSite]):
         return facts
 
 
-def _open_to(backend: RosBackend, width: float, held: Held) -> tuple[float, float]:
-    """Open the fingers to a width in [m].
+def _open_to(backend: RosBackend, width: float, speed: float, held: Held) -> tuple[float, float]:
+    """Open the fingers to a width in [m], and wait until they are at rest by their `speed` in [m/s].
 
     Returns:
         The width in [m] that is read at rest, and the time in [s] from the command until the reading moved;
@@ -70,7 +70,8 @@ def _open_to(backend: RosBackend, width: float, held: Held) -> tuple[float, floa
     gripper = backend.get(Gripper)  # type: ignore[type-abstract]
     assert gripper is not None, "the robot's file has one"
     begun, latency = gripper.width(), math.nan
-    for number in range(round(SETTLE_S / backend.period)):
+    seconds = abs(width - begun) / speed + SETTLE_S
+    for number in range(round(seconds / backend.period)):
         if not held():
             backend.stop()
             raise RungFailed("the key was let go before the motion was over")

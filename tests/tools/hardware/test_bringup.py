@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from typing_extensions import override
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.loading.robot_loading import load_robot
@@ -20,6 +21,8 @@ from handcart.evaluation.bringup.site import Site
 from handcart.evaluation.bringup.stop_rungs import StopTestRung
 from handcart.evaluation.bringup.use_rungs import CalibrationRung
 from handcart.evaluation.trials.rig import LIBRARY_FOLDER
+from handcart.files.models.loading import load
+from handcart.networks.runs.calibration import CALIBRATION_FILE, Calibration
 from tests.tools.conftest import Said
 
 NAMES = [rung.name for rung in ALL_RUNGS]
@@ -160,6 +163,27 @@ def test_a_calibration_by_no_motion_is_not_passed(site: Site, key: str, value: f
     site.operator = ScriptedOperator({"clear": True, "way_m": 1.0, "turn_deg": 360.0} | {key: value})
     with pytest.raises(RungFailed, match=f"{key}: {value:g} was measured; needed: above 0"):
         CalibrationRung().climb(site)
+
+
+class LargerWheels(BenchOperator):
+    """Operator of a robot with wheels a quarter larger than in its file, and the tread of its file."""
+
+    @override
+    def number(self, key: str, question: str, truth: Callable[[], float]) -> float:
+        return super().number(key, question, truth) * (1.25 if key in ("way_m", "turn_deg") else 1.0)
+
+
+def test_the_tread_is_calibrated_for_the_calibrated_wheels(site: Site) -> None:
+    site.folder.mkdir(parents=True)
+    values = []
+    for operator in (BenchOperator(), LargerWheels()):
+        site.operator = operator
+        CalibrationRung().climb(site)
+        values.append(load(site.folder / CALIBRATION_FILE, Calibration).found)
+    as_in_file, larger = values
+    for key, ratio in (("drive.wheel_radius_m", 1.25), ("drive.tread_m", 1.0)):
+        expected = ratio * as_in_file[key].value  # type: ignore[operator]
+        assert larger[key].value == pytest.approx(expected, rel=2e-3)
 
 
 def test_a_joint_without_end_has_no_limit_to_try(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
