@@ -249,10 +249,10 @@ class RunDecisions:
         self._moved(action.after_fail(cause))
 
     def acknowledged(self, reason: str) -> None:
-        """Count an action as failed that ended in GiveUp, or was broken off, before a person acknowledged it.
+        """Count an action as failed that ended in GiveUp, or was broken off, and is undone as a person
+        acknowledged, or as the sensors of a real robot measured when its run was resumed.
 
-        The person says that all is as it was before the action. Nothing was measured, and what the action
-        learned is not kept. So the situation stays as it is, whatever `on_fail` names.
+        What the action learned is not kept. So the situation stays as it is, whatever `on_fail` names.
 
         Args:
             reason: reason in words.

@@ -188,6 +188,9 @@ def _take(found: RunPosition, record: Record) -> None:
     _stands(found, record)
     if record["outcome"] == "Success":
         found.route.took(Success({}, record.get("result", "")))
+    elif record.get("stays"):
+        found.fails, found.cause = found.fails + 1, cause
+        found.route.acknowledged(record["reason"])
     else:
         _fail(found, record, cause)
 

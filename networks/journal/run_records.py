@@ -124,6 +124,12 @@ class Failed(_Result):
     outcome: Literal["Fail"]
     reason: str
     permanent: bool
+    by: NotRequired[Literal["recon"]]
+    """Of an action that was broken off: a resume of the run measured the robot where the action began."""
+    stays: NotRequired[bool]
+    """True: the situation stays, whatever `on_fail` names; missing in journals of older versions, which
+    followed `on_fail` after an action that was broken off, too.
+    """
 
 
 class GivenUp(_Result):

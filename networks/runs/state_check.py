@@ -98,7 +98,8 @@ def check_state(robot: Robot, past: Past) -> StateCheck:
 def gone_on(past: Past, check: StateCheck, confirm: int | None) -> Past:
     """Return the past run, ready to be resumed from the measured state of a real robot.
 
-    An action that was broken off counts as failed.
+    An action that was broken off counts as failed. The run stays in the situation in which it began, whatever
+    `on_fail` names: what the action learned was not kept.
 
     Args:
         past: the run at the end of its journal.
@@ -123,7 +124,12 @@ def gone_on(past: Past, check: StateCheck, confirm: int | None) -> Past:
     closing: list[tuple[str, Mapping[str, Any]]] = [("RECON", check.fields())]
     if doubt is not None:
         fail = {"n": doubt["n"], "outcome": "Fail", "reason": broken_off(doubt), "permanent": False}
-        found = {"residuals": check.residuals, "tolerance": check.residuals.limits, "by": "recon"}
+        found = {
+            "residuals": check.residuals,
+            "tolerance": check.residuals.limits,
+            "by": "recon",
+            "stays": True,
+        }
         closing.append(("RESULT", fail | found))
     records = [{"kind": kind, "q": -1, **fields} for kind, fields in closing]
     return replace(past, standing=past.standing.followed(records), closing=tuple(closing))

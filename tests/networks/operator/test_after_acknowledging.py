@@ -15,6 +15,10 @@ from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.journal.retracing import standing
 from handcart.networks.operator.acknowledging import acknowledge
+from handcart.networks.runs.resuming import Past
+from handcart.networks.runs.state_check import StateCheck, gone_on
+from handcart.primitives.outcomes.residual import Residuals
+from handcart.primitives.restoring.snapshot import take_snapshot
 from tests.networks.conftest import Stand
 
 
@@ -81,3 +85,36 @@ def test_acknowledgement_of_an_older_version_follows_on_fail(stand: Stand, tmp_p
     ack = {"kind": "ACK", "q": len(records), "t": 0.0, "record": result["q"], "of": "RESULT", "reason": "it"}
     plan = {"kind": "PLAN", "q": len(records) + 1, "t": 0.0, "situation": "blocked", "way": [1]}
     assert standing(network, [*records, ack, plan]).route.situation == "blocked"
+
+
+def test_broken_off_action_measured_at_its_start_stays(stand: Stand, tmp_path: Path) -> None:
+    network = stand.network("a z direct 1 3 blocked", "blocked z detour 1")
+    path = run_of(stand, network, tmp_path)
+    broken_off(path)
+    contents = read_journal(path)
+    past = Past(tmp_path, contents, standing(network, contents.records), None, None)
+    units, measured = stand.robot.spec.joint_units, take_snapshot(stand.robot, {})
+    check = StateCheck(measured, measured, Residuals(), (), True, units)
+    resumed = gone_on(past, check, past.last)
+    position, closing = resumed.standing, resumed.closing
+    assert (position.route.situation, position.fails) == ("a", 1)
+    assert position.route.planner.fails(network.actions[0]) == 1
+    with Journal.go_on(path, contents) as journal:
+        for kind, fields in closing:
+            journal.append(kind, 0.0, fields)
+        end = stand.finish(Coordinator(network, stand.robot, stand.model, journal, standing=position))
+    assert (end.outcome, end.situation) == ("Success", "z")
+    again = standing(network, read_journal(path).records)  # the journal says the same
+    assert (again.route.situation, again.fails) == ("z", 1)
+    starts = [record for record in read_journal(path).records if record["kind"] == "START"]
+    assert [record["action"]["from"] for record in starts] == ["a", "a"]
+
+
+def test_broken_off_action_of_an_older_version_follows_on_fail(stand: Stand, tmp_path: Path) -> None:
+    network = stand.network("a z direct 1 3 blocked", "blocked z detour 1")
+    path = run_of(stand, network, tmp_path)
+    broken_off(path)
+    records = list(read_journal(path).records)
+    fail = {"n": 1, "outcome": "Fail", "reason": "broken off", "permanent": False, "by": "recon"}
+    result = {"kind": "RESULT", "q": len(records), "t": 0.0, **fail}
+    assert standing(network, [*records, result]).route.situation == "blocked"
