@@ -11,7 +11,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from ruamel.yaml.composer import Composer
 from ruamel.yaml.error import YAMLError
-from ruamel.yaml.nodes import CollectionNode, Node, ScalarNode, SequenceNode
+from ruamel.yaml.nodes import CollectionNode, MappingNode, Node, ScalarNode, SequenceNode
 from typing_extensions import override
 
 _REST = re.compile(r"(?P<data>[\]},\s]*?(?::(?:\s*\*\S+)?)?\s*?)(?P<comment>(?<=\s)#[^\n]*)?(?P<end>\s*)")
@@ -67,14 +67,17 @@ def _with_old_lines(before: str, after: str) -> str:
     old, new = _composed(before), _composed(after)
     if old is None or new is None:
         return after
-    spans = sorted(_equal_spans(old, new, set()), key=lambda span: (span[1].start, -span[1].stop))
+    pairs = sorted(
+        _kept_pairs(old, new, set()), key=lambda pair: (_span(pair[1]).start, -_span(pair[1]).stop)
+    )
     text, done = "", 0
-    for there, here in spans:
+    for one, other in pairs:
+        there, here = _span(one), _span(other)
         if here.start < done:  # an alias of a part of the value before
             continue
         gaps = _GAP.match(before, there.stop), _GAP.match(after, here.stop)
         ends = [gap.end() for gap in gaps if gap] if all(gaps) else [there.stop, here.stop]
-        text += after[done : here.start] + before[there.start : ends[0]]
+        text += after[done : here.start] + _merged(one, other, before, after) + before[there.stop : ends[0]]
         done = ends[1]
     text += after[done:]
     try:
@@ -88,10 +91,10 @@ def _composed(text: str) -> Any:
     return YAML(typ="safe", pure=True).compose(text)
 
 
-def _equal_spans(old: Node, new: Node, seen: set[int]) -> Iterator[tuple[slice, slice]]:
-    """Yield the places in two texts of each value that both have with the same indentation.
+def _kept_pairs(old: Node, new: Node, seen: set[int]) -> Iterator[tuple[Node, Node]]:
+    """Yield the values of two texts whose lines are kept: equal ones, and changed ones in brackets.
 
-    Indented lists and mappings are not values in this sense, but those in brackets are.
+    They have the same indentation. Indented lists and mappings are not values in this sense.
 
     Args:
         old: value in the first text.
@@ -104,9 +107,41 @@ def _equal_spans(old: Node, new: Node, seen: set[int]) -> Iterator[tuple[slice, 
     if isinstance(new, CollectionNode) and not new.flow_style:
         if type(old) is type(new) and not old.flow_style:
             for one, other in _pairs(old, new):
-                yield from _equal_spans(one, other, seen)
-    elif old.start_mark.column == new.start_mark.column and _is_same(old, new):
-        yield _span(old), _span(new)
+                yield from _kept_pairs(one, other, seen)
+    elif old.start_mark.column == new.start_mark.column and (_is_same(old, new) or _is_extended(old, new)):
+        yield old, new
+
+
+def _is_extended(old: Node, new: Node) -> bool:
+    """Return whether a mapping in brackets is an older one with other values, or with further keys behind."""
+    if not isinstance(old, MappingNode) or not isinstance(new, MappingNode) or old.anchor != new.anchor:
+        return False
+    names = [[key.value for key, _ in node.value if isinstance(key, ScalarNode)] for node in (old, new)]
+    is_prefix = bool(old.value) and names[0] == names[1][: len(old.value)]
+    return is_prefix and bool(old.flow_style) and bool(new.flow_style)
+
+
+def _merged(old: Node, new: Node, before: str, after: str) -> str:
+    """Return the text of a new value, with the lines and comments of an older one as far as possible.
+
+    Args:
+        old: older value, in the text `before`.
+        new: new value, in the text `after`.
+        before: text with the older value.
+        after: text with the new value.
+    """
+    there = _span(old)
+    if _is_same(old, new):
+        return before[there]
+    if not _is_extended(old, new):
+        return after[_span(new)]
+    text, done = "", there.start
+    for (_, one), (_, other) in zip(old.value, new.value, strict=False):
+        text += before[done : _span(one).start] + _merged(one, other, before, after)
+        done = _span(one).stop
+    for key, value in new.value[len(old.value) :]:
+        text += f", {after[_span(key).start : _span(value).stop]}"
+    return text + before[done : there.stop]
 
 
 def _pairs(old: CollectionNode, new: CollectionNode) -> Iterator[tuple[Node, Node]]:

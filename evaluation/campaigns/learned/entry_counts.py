@@ -22,8 +22,13 @@ from handcart.robotics.numerics.arrays import FloatArray
 from .seen_actions import FAULT_STATUS, SeenActions
 
 CONFIDENCE_LEVEL = 0.95
-MAX_P = 0.999
-"""Largest probability that is written: no number of attempts proves that an action never fails."""
+MIN_P, MAX_P = 0.001, 0.999
+"""Smallest and largest probability that is written: no number of attempts proves that an action always fails,
+or never.
+"""
+
+DURATION_STEP_S = 1e-6
+"""Difference up to which two durations are equal: they are differences of times that were rounded."""
 
 
 class LearnedShare(NamedTuple):
@@ -47,7 +52,7 @@ class EntryCounts:
     mean_s: float
     """Mean duration of an attempt, in [s]; NaN without attempts."""
     mean_95_s: tuple[float, float]
-    """95 % interval of the mean duration, in [s], by Student's t; NaN with fewer than two attempts."""
+    """95 % interval of the mean duration, in [s], by Student's t; NaN if all durations are equal."""
     named: tuple[str, ...] = ()
     """Causes that `on_fail` names, in the order of `OutcomeCounts.by_cause`."""
 
@@ -56,7 +61,7 @@ class EntryCounts:
         """Probability of Success, estimated from counted outcomes, rounded to 3 decimals as in a task
         file.
         """
-        return min(MAX_P, round(self.counts.chance.success, 3))
+        return min(MAX_P, max(MIN_P, round(self.counts.chance.success, 3)))
 
     @property
     def p_give_up(self) -> float:
@@ -152,8 +157,10 @@ def _counted(seen: SeenActions, number: int, entry: TaskEntry, all_ends: Sequenc
 
 
 def _mean_interval(seconds: FloatArray) -> tuple[float, float]:
-    """Return the 95 % interval of the mean of durations (n,), in [s]; a single one has no known spread."""
-    if len(seconds) < 2:
+    """Return the 95 % interval of the mean of durations (n,), in [s]; NaN if none differ: their spread is
+    unknown.
+    """
+    if not np.ptp(seconds) > DURATION_STEP_S:
         return math.nan, math.nan
     mean, error = float(seconds.mean()), float(seconds.std(ddof=1)) / math.sqrt(len(seconds))
     reach = float(stdtrit(len(seconds) - 1, 0.5 * (1.0 + CONFIDENCE_LEVEL))) * error
