@@ -30,8 +30,9 @@ def compare(
 
     from handcart.evaluation.campaigns.data.campaign_folder import CampaignFolder
     from handcart.evaluation.campaigns.statistics.comparison import compare as compared
+    from handcart.tools.terminal.skipped_trial import with_note
 
-    found = compared(CampaignFolder.read_runs(one).trials(), CampaignFolder.read_runs(other).trials())
+    found = compared(*(with_note(CampaignFolder.read_runs(item).trials(), item) for item in (one, other)))
     if as_json:
         facts = {**asdict(found), "changes": [{**asdict(e), "proven": e.proven} for e in found.changes]}
         print(orjson.dumps({**facts, "worse": found.worse}, default=list).decode())

@@ -8,6 +8,7 @@ import re
 import sys
 from collections.abc import Iterator, Sequence
 from datetime import UTC
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -49,12 +50,14 @@ def learn(
     from handcart.evaluation.campaigns.learned.learned import recorded_campaign
     from handcart.networks.task.task_file import load_task
     from handcart.tasks.task_names import task_path
+    from handcart.tools.terminal.skipped_trial import with_note
     from handcart.tools.terminal.writing import write_text
 
     folders = [recorded_campaign(folder) for folder in campaigns]
     file = task_path(str(task or folders[0].arguments["task"]))
     read = load_task(file)
-    found = count_entries(read, (trial for folder in folders for trial in folder.trials()))
+    recorded = (with_note(folder.trials(), folder.folder) for folder in folders)
+    found = count_entries(read, chain.from_iterable(recorded))
     date = _date(max((campaign_folder.folder / TRIALS).stat().st_mtime for campaign_folder in folders))
     verdict = _verdict(read, found)
     before = file.read_text(encoding="utf-8")

@@ -83,8 +83,9 @@ def _mcap(folder: Path, file: Path) -> str:
 def _parquet(folder: Path, file: Path) -> str:
     from handcart.evaluation.campaigns.data.campaign_folder import CampaignFolder
     from handcart.evaluation.viewing.export.campaign_parquet import write_parquet
+    from handcart.tools.terminal.skipped_trial import with_note
 
-    trials = CampaignFolder.read(folder).trials()
+    trials = with_note(CampaignFolder.read(folder).trials(), folder)
     write_parquet(trials, file)
     return counted(len(trials), "trial")
 

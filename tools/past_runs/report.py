@@ -42,7 +42,9 @@ def _run_page(folder: Path, page: Path | None) -> Path:
 
 def _campaign_page(folder: Path, page: Path | None) -> Path:
     from handcart.evaluation.campaigns.page.campaign_page import CampaignPage
+    from handcart.tools.terminal.skipped_trial import note_skipped
 
     found = CampaignPage.of(folder)
+    note_skipped(folder, found.skipped_bytes)
     found.write_runs()
     return found.write(page)

@@ -131,7 +131,10 @@ class CampaignFolder:
             TrialLogError: a line is damaged.
         """
         path = self.folder / TRIALS
-        return TrialFile(path, read_offsets(path)[0].items() if path.exists() else ())
+        if not path.exists():
+            return TrialFile(path, ())
+        found = read_offsets(path)
+        return TrialFile(path, found.by_seed.items(), found.skipped_bytes)
 
 
 def differences(there: Arguments, asked: Arguments, but: tuple[str, ...] = ()) -> list[str]:

@@ -8,7 +8,7 @@ import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Any, BinaryIO, overload
+from typing import Any, BinaryIO, NamedTuple, overload
 
 import orjson
 
@@ -44,14 +44,19 @@ class CampaignAlive(InputError):
 class TrialFile(Sequence[Trial]):
     """Sequence of the trials in a log file, ordered by seed; a trial is read from disk when accessed."""
 
-    def __init__(self, path: Path, offsets: Iterable[tuple[int, int]]) -> None:
+    def __init__(self, path: Path, offsets: Iterable[tuple[int, int]], skipped_bytes: int = 0) -> None:
         """Index a log.
 
         Args:
             path: file with lines as `line_of` writes them.
             offsets: seed of each trial, and the byte at which its line begins.
+            skipped_bytes: size of a last line that holds no trial.
         """
         self._path = path
+        self.skipped_bytes = skipped_bytes
+        """Size of the last line if it is damaged or still being written, and its trial is missing; 0 if the
+        log is complete.
+        """
         self._offsets = [offset for _, offset in sorted(offsets)]
 
     def __len__(self) -> int:
@@ -112,7 +117,7 @@ class TrialLog:
         try:
             check_regular(self._file)
             self._lock()
-            self._offsets, self._size = read_offsets(path)
+            self._offsets, self._size, _ = read_offsets(path)
             self.dropped_bytes = os.fstat(self._file).st_size - self._size
             if self.dropped_bytes:
                 os.ftruncate(self._file, self._size)
@@ -205,14 +210,25 @@ def trial_of(line: bytes) -> Trial | None:
     )
 
 
-def read_offsets(path: Path) -> tuple[dict[int, int], int]:
-    """Return the offset in bytes of each trial's line in a log, by seed, and of the last complete line's end.
+class LineOffsets(NamedTuple):
+    """Places of the trials in a log, in bytes from its beginning."""
+
+    by_seed: dict[int, int]
+    """Begin of each trial's line."""
+    end: int
+    """End of the last complete line."""
+    skipped_bytes: int
+    """Size of a last line that is damaged or incomplete; 0 if there is none."""
+
+
+def read_offsets(path: Path) -> LineOffsets:
+    """Return the places of the trials in a log.
 
     Raises:
         TrialLogError: the log cannot be read, or a line before the last one is damaged.
     """
     offsets: dict[int, int] = {}
-    offset, torn = 0, False
+    offset, torn = 0, 0
     try:
         with open_regular(path) as file:
             for number, line in enumerate(file, start=1):
@@ -220,7 +236,7 @@ def read_offsets(path: Path) -> tuple[dict[int, int], int]:
                     wrong = f"line {number - 1} at byte {offset} isn't what was written"
                     raise TrialLogError(path, wrong)
                 trial = trial_of(line) if line.endswith(b"\n") else None
-                torn = trial is None
+                torn = len(line) if trial is None else 0
                 if trial is not None:
                     if trial.seed in offsets:
                         raise TrialLogError(path, f"line {number}: the seed {trial.seed} is there twice")
@@ -228,7 +244,7 @@ def read_offsets(path: Path) -> tuple[dict[int, int], int]:
                     offset += len(line)
     except OSError as error:
         raise TrialLogError(path, f"can't be read: {error.strerror}") from None
-    return offsets, offset
+    return LineOffsets(offsets, offset, torn)
 
 
 def _read_at(file: BinaryIO, offset: int, path: Path) -> Trial:

@@ -46,6 +46,8 @@ class CampaignPage:
         """
         self.folder, self._arguments = found.folder, found.arguments
         self._report, self._settling = report, settling
+        self.skipped_bytes = 0
+        """Size of the log's last line, in bytes, if its trial is missing because it is damaged."""
 
     @classmethod
     def of(cls, folder: Path) -> CampaignPage:
@@ -58,7 +60,9 @@ class CampaignPage:
         trials, said = found.trials(), found.arguments
         seeds = range(said["first"], said["first"] + said["trials"])
         settling = Settling.heard(said["until"], seeds, trials)
-        return cls(found, CampaignReport(trials if settling is None else trials[: settling.count]), settling)
+        page = cls(found, CampaignReport(trials if settling is None else trials[: settling.count]), settling)
+        page.skipped_bytes = trials.skipped_bytes
+        return page
 
     def write_runs(self) -> None:
         """Write the report pages of the worst trials, such as failed ones, if their runs can be read."""

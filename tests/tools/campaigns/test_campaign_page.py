@@ -160,3 +160,23 @@ def test_axe_finds_nothing(tmp_path: Path, size: tuple[int, int]) -> None:
         seen.page.goto(page.resolve().as_uri())
         assert axe_findings(seen.page) == []
         assert seen.errors == []
+
+
+def test_readers_of_a_campaign_name_a_damaged_last_line(
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "out"
+    words = ("campaign", network(tour, 0.6), "--level", "network", "--trials", "5")
+    assert handcart(*words, "--no-report", "--out", folder).status == 0
+    log = folder / "trials.jsonl"
+    log.write_bytes(log.read_bytes()[:-20])
+    size = len(log.read_bytes().rpartition(b"\n")[2])
+    file = tmp_path / "trials.parquet"
+    for command in (
+        ("report", folder),
+        ("campaign", "compare", folder, folder),
+        ("export", folder, "-o", file),
+    ):
+        said = handcart(*command)
+        assert said.status == 0, said.err
+        assert f"{folder}: the last line of its log is damaged or being written ({size} bytes)" in said.err

@@ -240,6 +240,48 @@ def test_rows_that_are_not_changed_keep_their_lines(handcart: Callable[..., Said
     assert after.endswith(LONG_ROWS[LONG_ROWS.index("  - {do: MODIFY, from: b") :])
 
 
+def test_rows_that_are_changed_keep_their_lines(handcart: Callable[..., Said], tour: Path) -> None:
+    """Values are replaced where they are, a new one is added behind the last."""
+    rows = LONG_ROWS.replace("cost_s: 12, p: 0.9,", "cost_s: 12,  # by a watch")
+    tour.write_text(tour.read_text().partition("\nstart:")[0] + "\n" + rows)
+    said = handcart("learn", counted(tour, "both", 20), "--write")
+    assert said.status == 0, said.err
+    number, words = r"0\.\d+", r"  # 20\S+ 20 of 20, .*"
+    first = (
+        rf"a, to: z, on_fail: stuck,\n     cost_s: 10\.0, p: {number}, with: {{place: shelf_3}}}}{words}\n"
+    )
+    second = r"from: b, to: z,\n     cost_s: 10\.0,  # by a watch\n     with: "
+    assert re.search(first, tour.read_text()), tour.read_text()
+    assert re.search(rf"{second}{{place: shelf_3}}, p: {number}}}{words}\n", tour.read_text())
+
+
+def test_learning_names_a_damaged_last_line(handcart: Callable[..., Said], task: Path) -> None:
+    campaign = recorded(task, 5, "torn")
+    log = campaign / "trials.jsonl"
+    assert "damaged" not in handcart("learn", campaign).err
+    log.write_bytes(log.read_bytes()[:-20])
+    assert f"{campaign}: the last line of its log is damaged" in handcart("learn", campaign).err
+
+
+def test_an_action_that_always_failed_can_be_learned(handcart: Callable[..., Said], task: Path) -> None:
+    said = handcart("learn", ended(task, ["blocked"] * 5000), "--write")
+    assert said.status == 0, said.err
+    assert load_task(task).file.actions[0].p == 0.001
+
+
+@pytest.mark.parametrize(("times", "shown"), [([10.0, 20.0], False), ([10.0, 21.0], True)])
+def test_equal_durations_give_no_interval(
+    handcart: Callable[..., Said], task: Path, times: list[float], shown: bool
+) -> None:
+    asked: dict[str, Any] = {"task": str(task), "level": "run", "shard": None, "first": 0, "trials": 1}
+    ends = [ActionEnd("MODIFY (a to z)", "a", "z", "Fail", time) for time in times]
+    summary = {"outcome": "Fail", "sim_time_s": 100.0, "metrics": {}}
+    with CampaignFolder.made(task.parent / "twice", asked).log() as log:
+        log.append([Trial(0, 0, summary, ends)])
+    found = orjson.loads(handcart("learn", task.parent / "twice", "--json").out)["actions"][0]
+    assert (found["mean_95_s"] != [None, None]) is shown
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(path.parent.name for path in TASKS.glob("*/task.yaml")))
 def test_each_shipped_task_can_be_learned_again_and_again(
