@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     import viser
 
 MAX_FRAMES_PER_S = 15.0
+MAX_CATCH_UP_S = 0.5
+"""Wall time in [s] by which a run may lag, as in a pause, and still catch up at its highest speed."""
 FASTEST_LABEL = "fastest"
 SPEED_LABELS = ("1", "2", "5", "20", FASTEST_LABEL)
 
@@ -89,6 +91,8 @@ class LiveView(RunObserver):
             ahead = (robot.time - time) / self._factor - (clock.monotonic() - wall)
             if ahead > 0.0:
                 clock.sleep(min(ahead, 1.0))
+            elif ahead < -MAX_CATCH_UP_S:
+                self._since = (clock.monotonic(), robot.time)
 
     @override
     def event(self, event: Event) -> None:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import orjson
 import pytest
@@ -9,6 +10,7 @@ pytest.importorskip("viser", reason="the extra view isn't installed")
 
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.trials.running import run_task
+from handcart.evaluation.viewing.view import live_view
 from handcart.evaluation.viewing.view.live_view import LiveView
 from handcart.evaluation.viewing.view.serving.server import open_server
 from handcart.networks.events.run_observer import RunObserver
@@ -22,6 +24,35 @@ def records(folder: Path) -> list[dict[str, object]]:
     """Return the records of a journal without their wall-clock times."""
     found = [orjson.loads(line) for line in (folder / "journal.jsonl").read_bytes().splitlines()]
     return [{key: value for key, value in item.items() if key != "wall"} for item in found]
+
+
+class Clock:
+    """Wall clock that passes only while something sleeps."""
+
+    def __init__(self) -> None:
+        self.now = 1000.0
+
+    def monotonic(self) -> float:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        self.now += seconds
+
+
+def test_a_run_goes_on_at_its_speed_after_a_pause(monkeypatch: pytest.MonkeyPatch) -> None:
+    wall, robot = Clock(), SimpleNamespace(time=0.0)
+    monkeypatch.setattr(live_view, "clock", wall)
+    view = LiveView(None, "")  # type: ignore[arg-type]
+    view._since = (wall.now, robot.time)
+    seconds = []
+    for _ in range(2):
+        before = wall.now
+        for _ in range(100):
+            robot.time += 0.05
+            view.period(robot)  # type: ignore[arg-type]
+        seconds.append(wall.now - before)
+        wall.now += 60.0  # a pause, in which the robot's time stands
+    assert seconds == pytest.approx([5.0, 5.0], abs=0.1)
 
 
 class Hurry(RunObserver):
