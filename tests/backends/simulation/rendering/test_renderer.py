@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -81,7 +83,7 @@ FAR_CUPBOARD = FAR_BENCH | {"name": "wall cupboard", "size_m": [0.2, 1.2, 2.2]}
 TABLE = {"name": "t", "x_m": 1.0, "y_m": 0.0, "size_m": [0.6, 0.6, 1.2], "foot_m": [0.1, 0.1]}
 
 
-def room(height: float = 1.2, **sections: list[dict[str, object]]) -> Scene:
+def room(height: float = 1.2, **sections: Any) -> Scene:
     tag = {"id": 3, "face": "-x", "side_mm": 100}
     box = {"name": "box", "size_mm": [200.0, 200.0, 200.0], "x_m": 1.0, "y_m": 0.0}
     start = {"format": "handcart-world/1", "start": {"x_m": 0.0, "y_m": 0.0}}
@@ -107,7 +109,7 @@ def seen_at(world: Scene, z: float) -> ByteArray:
     ],
 )
 def test_a_tag_is_read_only_if_nothing_stands_before_it(
-    sections: dict[str, list[dict[str, object]]], z: float, read: list[int]
+    sections: dict[str, Any], z: float, read: list[int]
 ) -> None:
     found = read_tags(seen_at(room(**sections), z), family="apriltag_36h11")
     assert [tag.id for tag in found] == read
@@ -127,6 +129,6 @@ def test_near_furniture_hides_farther_furniture_of_any_height(near: object, far:
     alone = {"furniture": [near]}
     columns = slice(200, 440)
     assert np.array_equal(
-        seen_at(room(height=3.0, **both), 1.0)[300:, columns],  # type: ignore[arg-type]
-        seen_at(room(height=3.0, **alone), 1.0)[300:, columns],  # type: ignore[arg-type]
+        seen_at(room(height=3.0, **both), 1.0)[300:, columns],
+        seen_at(room(height=3.0, **alone), 1.0)[300:, columns],
     )
