@@ -26,7 +26,7 @@ from handcart.evaluation.viewing.drawing.place_arrows import draw_places
 from handcart.evaluation.viewing.drawing.track_lines import track_lines
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.run_files.telemetry import RunTrack, load_track
-from handcart.networks.runs.evidence_files import EVIDENCE_FOLDER
+from handcart.networks.runs.evidence_files import EVIDENCE_FOLDER, evidence_order
 from handcart.networks.runs.flight_recorder import READINGS_SUFFIX
 from handcart.primitives.knowledge.place import Place
 from handcart.robotics.navigation.maps.grid_map import GridMap
@@ -311,7 +311,7 @@ def _named(run_dir: Path, name: str) -> list[FloatArray]:
 
 def _points(run_dir: Path) -> dict[str, dict[str, FloatArray]]:
     found = {}
-    for path in sorted((run_dir / EVIDENCE_FOLDER).glob("*.npz")):
+    for path in sorted((run_dir / EVIDENCE_FOLDER).glob("*.npz"), key=lambda path: evidence_order(path.name)):
         if path.name.endswith(READINGS_SUFFIX):
             continue
         with np.load(path) as arrays:
@@ -323,7 +323,7 @@ def _last_picture(run_dir: Path, shown: Collection[str]) -> tuple[str, ByteArray
     """Return name and pixels (RGB, reduced) of the last picture, preferably by one of the primitives
     `shown`.
     """
-    every = sorted((run_dir / EVIDENCE_FOLDER).glob("*.png"))
+    every = sorted((run_dir / EVIDENCE_FOLDER).glob("*.png"), key=lambda path: evidence_order(path.name))
     paths = [path for path in every if any(f"_{name}" in path.name for name in shown)] or every
     if not paths:
         return None

@@ -35,6 +35,15 @@ def stem(number: int, do: str, outcome: Outcome) -> str:
     return f"{number:03d}_{do}{ended}"
 
 
+def evidence_order(name: str) -> tuple[int, str]:
+    """Return the key that sorts names of evidence files by their actions: the action's number, and the name.
+
+    The number is 0 for a file of no action.
+    """
+    number = name.partition("_")[0]
+    return int(number) if number.isascii() and number.isdecimal() else 0, name
+
+
 class EvidenceFiles(RunObserver):
     """Observer of a run that saves the pictures and points by which each action's outcome was decided.
 

@@ -21,6 +21,7 @@ from handcart.networks.operator.view_address import view_address
 from handcart.networks.past_runs.hindsight import choice_of, counts_now
 from handcart.networks.past_runs.past_run import read_run
 from handcart.networks.run_files.run_folder import read_run_journal
+from handcart.networks.runs.evidence_files import evidence_order
 from handcart.networks.task.task_file import load_task
 
 EVIDENCE_PATH = "evidence"
@@ -146,13 +147,16 @@ class RunDetails:
         ]
 
     def _moved(self) -> list[dict[str, Any]]:
-        """Return the robot's residuals against its last state, from each resume of the run (row U13)."""
+        """Return the robot's residuals against its last state, from each resume of the run (row U13), and
+        each change of the world between two actions, with its reason.
+        """
         found: Sequence[Mapping[str, Any]] = self._run.records
         return [
             {
                 "record": entry["q"],
                 "residuals": entry.get("residuals") or {},
                 "unknown": entry.get("unknown") or [],
+                "reason": str(entry.get("reason", "")),
             }
             for entry in found
             if entry["kind"] == "RECON"
@@ -168,8 +172,8 @@ class RunDetails:
             for path in folder.iterdir()
             if path.suffix in EVIDENCE_SUFFIXES and not path.is_symlink()
         ]
-        numbered = [(int(name[:3]) if name[:3].isdigit() else 0, name) for name in names]
-        return [{"action": number, "file": f"{EVIDENCE_PATH}/{name}"} for number, name in sorted(numbered)]
+        numbered = sorted(map(evidence_order, names))
+        return [{"action": number, "file": f"{EVIDENCE_PATH}/{name}"} for number, name in numbered]
 
 
 def _action(action: Any) -> dict[str, Any]:

@@ -12,6 +12,8 @@ import orjson
 import pytest
 
 from handcart.files.errors import InputError
+from handcart.networks.journal.journal import Journal
+from handcart.networks.journal.journal_record import read_journal
 from handcart.tools.console import kept_details as module
 from handcart.tools.console import run_details as details_module
 from handcart.tools.console.kept_details import KeptDetails
@@ -58,14 +60,25 @@ def test_pictures_are_listed_by_their_action_and_no_other_files(ran: Path, tmp_p
     folder = cut(ran, tmp_path / "second", b"START", 2)
     assert RunDetails(folder, alive=False).summary(None)["pictures"] == []
     (folder / "evidence").mkdir(exist_ok=True)
-    for name in ("010_b.jpg", "002_c.png", "x_a.jpeg", "003_d.npz"):
+    for name in ("1000_a.png", "010_b.jpg", "002_c.png", "x_a.jpeg", "003_d.npz"):
         (folder / "evidence" / name).write_bytes(b"")
     shown = RunDetails(folder, alive=False).summary(None)["pictures"]
     assert [(item["action"], item["file"]) for item in shown] == [
         (0, "evidence/x_a.jpeg"),
         (2, "evidence/002_c.png"),
         (10, "evidence/010_b.jpg"),
+        (1000, "evidence/1000_a.png"),
     ]
+
+
+def test_a_change_of_the_world_is_listed_with_its_reason(ran: Path, tmp_path: Path) -> None:
+    folder = cut(ran, tmp_path / "second", b"RESULT", 1)
+    path = folder / "journal.jsonl"
+    with Journal.go_on(path, read_journal(path), "never") as journal:
+        index = RunDetails(ran, alive=False).summary(None)["actions"][1]["index"]
+        journal.append("RECON", 9.0, {"situation": None, "action": index, "reason": "somebody pushed it"})
+    (moved,) = RunDetails(folder, alive=False).summary(None)["moved"]
+    assert (moved["reason"], moved["residuals"]) == ("somebody pushed it", {})
 
 
 def test_what_a_permission_means_is_unknown_in_one_line(ran: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -308,7 +308,12 @@ function drawWaits(run, found) {
     return card;
   });
   for (const each of found.moved) {
-    const off = Object.entries(each.residuals).map(([name, size]) => `${name} ${Number(size).toPrecision(3)}`).join(", ");
+    if (each.reason) {
+      cards.push(element("p", `Between two actions (record ${each.record}): ${each.reason}`));
+      continue;
+    }
+    const sized = ([name, size]) => `${name} ${size === null ? "unknown" : Number(size).toPrecision(3)}`;
+    const off = Object.entries(each.residuals).map(sized).join(", ");
     const unknown = each.unknown.length ? `; unknown: ${each.unknown.join(", ")}` : "";
     cards.push(element("p", `When it was gone on with (record ${each.record}), the robot stood beside where it was left: ` +
       `${off || "nothing known"}${unknown}`));
