@@ -121,7 +121,7 @@ class Playback:
         except ValueError as error:
             raise NoRun(folder, f"the parts in {PLAYBACK_FOLDER} don't belong together: {error}") from None
         pictures = tuple(jpeg for part in parts for jpeg in part.jpegs())
-        return cls(run, scenery, rows, pictures, _things(parts))
+        return cls(run, scenery, rows, pictures, _things(parts, rows.time))
 
     @property
     def start(self) -> float:
@@ -282,7 +282,8 @@ def _joined(parts: list[RecordingPart]) -> RecordingPart:
     return RecordingPart(**whole)
 
 
-def _things(parts: list[RecordingPart]) -> dict[str, ThingTrack]:
+def _things(parts: list[RecordingPart], times: FloatArray) -> dict[str, ThingTrack]:
+    """Return the tracks of all things, given the times (n,) of the rows, in [s]."""
     shapes = {shape.name: shape for part in parts for shape in part.new_shapes()}
     rows: dict[str, list[tuple[FloatArray, FloatArray]]] = {}
     for part in parts:
@@ -292,9 +293,25 @@ def _things(parts: list[RecordingPart]) -> dict[str, ThingTrack]:
             chosen = order[edges[number] : edges[number + 1]]
             rows.setdefault(name, []).append((part.moved_time[chosen], part.moved_pose[chosen]))
     return {
-        name: ThingTrack(
-            shapes[name], np.concatenate([t for t, _ in row]), np.concatenate([p for _, p in row])
+        name: _track(
+            shapes[name], np.concatenate([t for t, _ in row]), np.concatenate([p for _, p in row]), times
         )
         for name, row in rows.items()
         if name in shapes
     }
+
+
+def _track(shape: ThingShape, time: FloatArray, pose: FloatArray, times: FloatArray) -> ThingTrack:
+    """Return the track of a thing that keeps each pose until the row before the next one.
+
+    Args:
+        shape: the thing.
+        time: (k,) time of each change of its pose, in [s].
+        pose: (k, 7) world_T_thing after each change.
+        times: (n,) time of each row, in [s].
+    """
+    last = times[np.maximum(np.searchsorted(times, time[1:]) - 1, 0)]
+    stays = np.flatnonzero(last > time[:-1])
+    return ThingTrack(
+        shape, np.insert(time, stays + 1, last[stays]), np.insert(pose, stays + 1, pose[stays], axis=0)
+    )
