@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 
 import numpy as np
 
@@ -29,6 +29,28 @@ def renew_arm(robot: Robot, moment: Moment) -> bool:
         return False
     arm.move(moment.joints)
     return True
+
+
+def renew_passed(robot: Robot, left: list[Moment], places: Sequence[float] | FloatArray, way: float) -> None:
+    """Command the arm as it was where the base is on its way back, as far as its joints get in a period.
+
+    Moments in which the fingers moved, and those before them, are left.
+
+    Args:
+        robot: robot whose base drives back.
+        left: moments that are left to undo, oldest first; those that are undone are removed.
+        places: distance of each moment of the motion from its end, in [m], oldest first.
+        way: distance that the base has driven back from that end, in [m].
+    """
+    arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
+    moment: Moment | None = None
+    while left and places[len(left) - 1] <= way and not moves_fingers(robot, left[-1]):
+        off = 0.0 if arm is None else np.abs(left[-1].joints - arm.command())
+        if moment is not None and np.any(off > (1.0 + PERIOD_ROUNDING) * robot.joint_speeds * robot.period):
+            break
+        moment = left.pop()
+    if moment is not None:
+        renew_arm(robot, moment)
 
 
 def hold_measured(robot: Robot) -> Generator[None, None, None]:

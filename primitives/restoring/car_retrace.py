@@ -15,7 +15,7 @@ from handcart.primitives.outcomes.exceeds import exceeds
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.car_tracker import CarTracker
 
-from .arm_command import command_moment, moves_fingers, renew_arm
+from .arm_command import command_moment, renew_passed
 from .pauses import Pauses
 from .snapshot import Snapshot
 from .trace import Moment, Trace
@@ -109,8 +109,7 @@ def _drive_back(robot: Robot, stretch: Sequence[Moment], forwards: bool) -> Gene
         if pauses.has_ended():
             tracker.stopped()
         robot.base.drive(*tracker.command(robot.localization.odometry_pose, robot.period))
-        if left and along[-len(left)] <= tracker.progress and not moves_fingers(robot, left[-1]):
-            renew_arm(robot, left.pop())
+        renew_passed(robot, left, along[::-1], tracker.progress)
         yield
     for moment in reversed(left):
         yield from command_moment(robot, moment)

@@ -19,8 +19,7 @@ from handcart.robotics.navigation.maps.speed_limits import SpeedLimits
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .arm_command import command_moment as _command
-from .arm_command import moves_fingers
-from .arm_command import renew_arm as _renew_arm
+from .arm_command import renew_passed
 from .car_retrace import car_retrace, check_stands
 from .car_shunting import bring_back
 from .pauses import Pauses
@@ -169,8 +168,7 @@ def _drive_back(
             if pauses.has_ended():
                 tracker.stopped()
             robot.base.drive(*tracker.command(robot.pose, robot.period))
-            if left and way[len(left) - 1] <= tracker.progress and not moves_fingers(robot, left[-1]):
-                _renew_arm(robot, left.pop())
+            renew_passed(robot, left, way, tracker.progress)
             yield
     yield from _play_back(robot, left)
 

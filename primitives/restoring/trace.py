@@ -115,6 +115,6 @@ def _small_steps(robot: Robot, moments: Sequence[Moment]) -> list[Moment]:
 def _apart(one: Moment, other: Moment) -> float:
     """Return the distance between the commands and poses of two moments, weighted, in [m]."""
     here, there = one.odometry_pose or one.pose, other.odometry_pose or other.pose
-    joints = float(np.abs(one.joints - other.joints).max(initial=0.0))
+    joints = float(np.linalg.norm(one.joints - other.joints))
     fingers = GRIP_WEIGHT * abs(one.grip - other.grip)
     return here.distance(there) + RAD_M * here.turn(there) + JOINT_M * joints + fingers

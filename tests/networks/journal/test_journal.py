@@ -39,6 +39,28 @@ def test_wall_clock_is_written_to_the_microsecond(tmp_path: Path) -> None:
     assert all(len(repr(time_s).partition(".")[2]) <= 6 for time_s in found)
 
 
+def test_times_are_written_to_the_microsecond(tmp_path: Path) -> None:
+    """Also where several records have the same time."""
+    times = [0.0, 0.05, 0.05, 0.1234564, 0.1234566, 0.05, 1e5 + 0.0000014]
+    with Journal(tmp_path / "j.jsonl") as journal:
+        for time_s in times:
+            journal.append("STEP", time_s, {})
+    found = [record["t"] for record in read_journal(tmp_path / "j.jsonl").records]
+    assert found == [0.0, 0.05, 0.05, 0.123456, 0.123457, 0.05, 100000.000001]
+
+
+def test_each_record_is_written_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    real, calls = os.write, []
+
+    def note(file: int, line: bytes) -> int:
+        calls.append(line)
+        return real(file, line)
+
+    monkeypatch.setattr(os, "write", note)
+    whole = written(tmp_path / "j.jsonl")
+    assert calls == whole.splitlines(keepends=True)
+
+
 def test_truncated_at_any_byte(tmp_path: Path) -> None:
     """D1: complete records are there, the torn tail is reported."""
     whole = written(tmp_path / "j.jsonl", 3)
@@ -89,6 +111,18 @@ def test_a_newline_before_the_last_record_is_damage(tmp_path: Path, byte: int) -
     (tmp_path / "bad.jsonl").write_bytes(whole)
     with pytest.raises(JournalError, match="record 1 at byte"):
         read_journal(tmp_path / "bad.jsonl")
+
+
+@pytest.mark.parametrize("byte", [0, 0x0B, 0x8A, 0x20])
+def test_a_damaged_last_newline_is_a_torn_record(tmp_path: Path, byte: int) -> None:
+    """D3: nothing is hidden by it, whatever a crash left behind it as zeros."""
+    whole = bytearray(written(tmp_path / "j.jsonl", 3))
+    last = whole[:-1].rindex(b"\n") + 1
+    whole[-1] = byte
+    for tail in (b"", b"\0" * 5):
+        (tmp_path / "bad.jsonl").write_bytes(whole + tail)
+        contents = read_journal(tmp_path / "bad.jsonl")
+        assert (len(contents.records), contents.torn_at) == (2, last)
 
 
 @pytest.mark.parametrize("tail", [b"\0" * 4096, b"garbage\nmore\n", b"{}\n", b"[]\n", b"1\n", None])
@@ -260,6 +294,16 @@ def test_going_on_with_what_has_changed_since(tmp_path: Path) -> None:
         journal.append("MORE", 1.0, {})
     with pytest.raises(JournalError, match="has changed since it was read"):
         Journal.go_on(path, before)
+
+
+def test_going_on_with_what_is_shorter_than_it_was_read(tmp_path: Path) -> None:
+    path = tmp_path / "j.jsonl"
+    lines = written(path).splitlines(keepends=True)
+    before = read_journal(path)
+    path.write_bytes(b"".join(lines[:-1]))
+    with pytest.raises(JournalError, match="has changed since it was read"):
+        Journal.go_on(path, before)
+    assert path.read_bytes() == b"".join(lines[:-1])
 
 
 def test_going_on_follows_no_link(tmp_path: Path) -> None:

@@ -3,112 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from itertools import pairwise
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from handcart.backends.capabilities.arm import Arm
-from handcart.backends.capabilities.gripper import Gripper
 from handcart.primitives.outcomes.discrepancy import Discrepancy
-from handcart.primitives.restoring.arm_command import GRIP_PAUSE, command_moment, hold_measured, moves_fingers
+from handcart.primitives.restoring.arm_command import (
+    GRIP_PAUSE,
+    command_moment,
+    hold_measured,
+    moves_fingers,
+    rejoin,
+)
 from handcart.primitives.restoring.car_retrace import MIN_STRETCH_M, car_retrace, check_stands
-from handcart.primitives.restoring.snapshot import Snapshot, take_snapshot
-from handcart.primitives.restoring.trace import Moment, Trace
+from handcart.primitives.restoring.trace import Moment
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.following.drive_limits import DriveLimits
 from handcart.robotics.navigation.odometry.watched_moment import Belief
 
-PERIOD = 0.05
-
-
-class Car:
-    """Rolls exactly as commanded; its arm and fingers are where they were commanded to be."""
-
-    def __init__(self, arm: bool = True) -> None:
-        self.true, self.time, self.period = Pose2(0.0, 0.0, 0.0), 0.0, PERIOD
-        self.joints, self.grip = np.zeros(2), 0.0
-        self.drives: list[tuple[float, float]] = []
-        self.arms: list[tuple[float, list[float]]] = []
-        self._arm = SimpleNamespace(command=lambda: self.joints, joints=lambda: self.joints, move=self._move)
-        self._gripper = SimpleNamespace(
-            command=lambda: self.grip, width=lambda: self.grip, closed_on_something=lambda: False
-        )
-        self.gripper = SimpleNamespace(move=lambda grip: setattr(self, "grip", grip))
-        self.arm = self._arm
-        parts = {Arm: self._arm, Gripper: self._gripper} if arm else {}
-        self.backend = SimpleNamespace(get=parts.get)
-        self.base, self.drive_limits = self, DriveLimits()
-        self.arm_model = SimpleNamespace(
-            nearest=lambda goal, start: goal, clipped=lambda joints: np.clip(joints, -1.0, 1.0)
-        )
-        self.joint_speeds = np.array([0.5, 1.0])
-        tolerance = SimpleNamespace(base_mm=100.0, base_deg=5.0)
-        self.spec = SimpleNamespace(tolerance=tolerance, drive=SimpleNamespace(sharpest_per_m=0.8))
-        self.displacement: Belief | None = None
-
-    @property
-    def pose(self) -> Pose2:
-        return self.true
-
-    @property
-    def localization(self) -> Any:
-        return SimpleNamespace(
-            odometry_pose=self.true,
-            displacement=self.displacement,
-            sigma=(0.0, 0.0),
-            dead_reckoned=True,
-            POSE_JUMPS=False,
-        )
-
-    def drive(self, speed: float, turn_rate: float) -> None:
-        self.drives.append((speed, turn_rate))
-        self._rolls = (speed, turn_rate)
-
-    _rolls = (0.0, 0.0)
-
-    def step(self) -> None:
-        speed, turn_rate = self._rolls
-        self.true = self.true.compose(Pose2(speed * PERIOD, 0.0, turn_rate * PERIOD))
-        self._rolls, self.time = (0.0, 0.0), self.time + PERIOD
-
-    def wait(self, seconds: float) -> Any:
-        end = self.time + seconds
-        while self.time < end - 1e-9:
-            yield
-
-    def _move(self, joints: Any) -> None:
-        self.joints = np.array(joints, dtype=float)
-        self.arms.append((self.true.x, self.joints.round(9).tolist()))
-
-    def play(self, periods: Any) -> int:
-        """Step until it has ended; how many periods that took."""
-        count = 0
-        for _ in periods:
-            self.step()
-            count += 1
-        return count
-
-    def record(self, motion: Sequence[tuple[float, float, float]]) -> tuple[Snapshot, Trace]:
-        """Drive by speed and turn rate in each period, the first joint there; forget what was commanded."""
-        robot: Any = self
-        start, trace = take_snapshot(robot, {}), Trace(robot)
-        trace.record()
-        for speed, turn_rate, joint in motion:
-            self.drive(speed, turn_rate)
-            self.joints = np.array([joint, 0.0])
-            self.step()
-            trace.record()
-        self.drives.clear()
-        self.arms.clear()
-        return start, trace
-
-
-def ramp(speed: float, periods: int, turn_rate: float = 0.0) -> list[tuple[float, float, float]]:
-    return [(speed, turn_rate, 0.01 * number) for number in range(periods)]
+from .rolling_car import PERIOD, Car, ramp
 
 
 def test_a_way_ahead_is_driven_backwards_the_arm_with_it() -> None:
@@ -218,6 +132,18 @@ def test_fingers_move_before_the_arm_and_get_their_time() -> None:
     assert not moves_fingers(robot, moment)
     assert car.play(command_moment(robot, moment)) == 0  # it is there already
     assert not moves_fingers(robot, moment._replace(grip=0.04 + 5e-7))
+
+
+@pytest.mark.parametrize("by", ["moment", "rejoin"])
+def test_endless_joint_goes_back_the_short_way_round(by: str) -> None:
+    """It was 6.2 rad further when the moment was recorded as 0 rad: a full turn is 0.08 rad away."""
+    car, turn = Car(), 2.0 * math.pi
+    robot: Any = car
+    car.joints = np.array([6.2, 0.0])
+    car.arm_model.nearest = lambda goal, start: goal + turn * np.round((start - goal) / turn)
+    moment = Moment(car.pose, np.zeros(2), 0.0)
+    car.play(command_moment(robot, moment, periods=4) if by == "moment" else rejoin(robot, moment))
+    assert [joints[0] for _, joints in car.arms] == pytest.approx(np.linspace(6.2, turn, 5)[1:])
 
 
 def test_without_arm_and_fingers_a_moment_commands_nothing() -> None:

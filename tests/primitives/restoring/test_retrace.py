@@ -90,6 +90,61 @@ def test_single_moment_is_one_stretch() -> None:
     assert len(stretch) == 1
 
 
+def test_way_after_the_nearest_moment_is_cut_and_the_arm_kept() -> None:
+    """The base is back at 0.21 m of its way of 0.4 m: what it drove after 0.2 m is not driven again."""
+    here, rolled = Pose2(5.2, 0.0, 0.0), Pose2(0.21, 0.0, 0.0)
+    robot: Any = SimpleNamespace(pose=here, localization=SimpleNamespace(odometry_pose=rolled))
+    trace = Trace(robot)
+    ways = 0.1 * np.arange(5)
+    before = [Moment(Pose2(5.0 + way, 0.0, 0.0), np.array([way]), way, Pose2(way, 0.0, 0.0)) for way in ways]
+    trace.moments = list(before)
+    trace.cut_to(robot)
+    assert trace.moments[:3] == before[:3]
+    assert [(moment.pose, moment.odometry_pose) for moment in trace.moments[3:]] == [(here, rolled)] * 2
+    assert [(moment.joints.tolist(), moment.grip) for moment in trace.moments] == [
+        ([way], way) for way in ways
+    ]
+
+
+def joints_at(trace: Trace) -> list[list[float]]:
+    return [moment.joints.round(6).tolist() for moment in trace.moments]
+
+
+def test_trace_that_is_left_is_what_was_not_retraced_and_the_deviation() -> None:
+    """Ten steps out; five back, then the motion back deviates by two, and ends."""
+    robot: Any = SimpleNamespace(joint_speeds=np.array([2.0, 2.0]), period=0.05)
+    way, back = Trace(robot), Trace(robot)
+    way.moments = [Moment(HERE, np.array([0.1 * k, 0.0]), 0.0) for k in range(11)]
+    back.moments = [Moment(HERE, np.array([0.1 * k, 0.0]), 0.0) for k in range(10, 4, -1)]
+    back.moments += [Moment(HERE, np.array([0.5, 0.1 * k]), 0.0) for k in (1, 2)]
+    left = way.left_after(back)
+    assert left.is_rest
+    ways = [[0.1 * k, 0.0] for k in range(6)]
+    assert joints_at(left) == np.round([*ways, [0.5, 0.0], [0.5, 0.1], [0.5, 0.2]], 6).tolist()
+    assert not way.is_rest
+
+
+def test_trace_that_was_retraced_leaves_its_begin() -> None:
+    robot: Any = SimpleNamespace(joint_speeds=np.array([2.0]), period=0.05)
+    way, back = Trace(robot), Trace(robot)
+    way.moments = [Moment(HERE, np.array([0.1 * k]), 0.0) for k in range(5)]
+    back.moments = way.moments[::-1]
+    assert joints_at(way.left_after(back)) == [[0.0], [0.0]]
+
+
+def test_trace_that_is_left_has_no_step_beyond_the_joints_speed() -> None:
+    """A stuck arm was commanded on by 0.35 rad, which takes four periods at 2 rad/s; fingers move last."""
+    robot: Any = SimpleNamespace(joint_speeds=np.array([2.0]), period=0.05)
+    way, back = Trace(robot), Trace(robot)
+    way.moments = [Moment(HERE, np.array([0.0]), 0.04), Moment(HERE, np.array([0.35]), 0.02)]
+    back.moments = [Moment(HERE, np.array([0.35]), 0.02)]
+    left = way.left_after(back)
+    assert [moment.joints[0] for moment in left.moments] == pytest.approx(
+        [0.0, 0.0875, 0.175, 0.2625, 0.35, 0.35]
+    )
+    assert [moment.grip for moment in left.moments] == [0.04] * 4 + [0.02] * 2
+
+
 def test_moments_are_apart_by_what_changed_between_them() -> None:
     one = Moment(HERE, np.array([1.0, -2.0]), 0.03, None)
     assert _apart(one, one) == 0.0
@@ -97,6 +152,17 @@ def test_moments_are_apart_by_what_changed_between_them() -> None:
     assert _apart(one, moved) == _apart(moved, one) > 0.0
     assert _apart(one, one._replace(grip=0.02)) == pytest.approx(GRIP_WEIGHT * 0.01)
     assert _apart(one, one._replace(pose=Pose2(0.3, 0.4, 0.0))) == pytest.approx(0.5)
+
+
+def test_way_in_does_not_go_on_behind_a_change_of_direction() -> None:
+    """It came forwards over 1 m before it drove 0.1 m backwards and the last 0.3 m forwards."""
+    ways = [*np.arange(0.0, 1.0, 0.05), *np.arange(1.0, 0.9, -0.05), *np.arange(0.9, 1.201, 0.05)]
+    trace = Trace(ROBOT)
+    trace.moments = [moment(Pose2(way, 0.0, 0.0)) for way in ways]
+    blocked: Any = SimpleNamespace(pose=Pose2(1.2, 0.0, 0.0), direction=0.0, forwards=True)
+    distances, _ = _way_in(trace, blocked, 2.0)
+    assert distances[-1] == pytest.approx(0.3)
+    assert _way_in(trace, blocked, 0.22)[0][-1] == pytest.approx(0.2)
 
 
 @pytest.mark.parametrize(("forwards", "reach_m"), [(True, 0.5), (False, 0.0)])
