@@ -95,6 +95,7 @@ def test_simulated_run_waits_for_a_give_up_alone() -> None:
         ([PLAN], {2: "record 2 is damaged: an action may have begun"}),
         ([PLAN, START], {2: BROKEN_OFF}),
         ([PLAN, START, DONE], {4: "record 4 is damaged: an action may have begun"}),
+        ([PLAN, START, STUCK, ack(3)], {5: "record 5 is damaged: an action may have begun"}),
         ([PLAN, START, DONE, end("Cancelled")], {}),
     ],
 )
