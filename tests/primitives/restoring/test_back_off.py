@@ -57,7 +57,8 @@ class Wheels:
 
     def _move(self, along: float, turn_rate: float) -> None:
         way = Pose2(0.0, 0.0, self.direction).apply(np.array([along * PERIOD_S, 0.0]))
-        self.pose = self.pose.compose(Pose2(*way.tolist(), turn_rate * PERIOD_S))
+        x, y = way.tolist()
+        self.pose = self.pose.compose(Pose2(x, y, turn_rate * PERIOD_S))
 
     def back_off(self, at: Pose2 | None = None) -> None:
         """Back off from where it was stopped, or from another pose."""

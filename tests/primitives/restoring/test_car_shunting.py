@@ -167,7 +167,8 @@ def test_car_that_never_becomes_sure_waits_its_time() -> None:
 @pytest.mark.parametrize("shown_by", ["model", "scan", "elsewhere"])
 def test_start_that_something_stands_on_is_not_driven_to(shown_by: str) -> None:
     """The map's error since the start is in the pose and in known places alike."""
-    car, known = Car(BESIDE), {}
+    car = Car(BESIDE)
+    known: dict[str, Any] = {}
     there = STARTED.compose(CARRIED)
     if shown_by == "model":
         known = {"discs": np.array([[there.x, there.y, 0.1]])}
