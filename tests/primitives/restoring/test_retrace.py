@@ -110,7 +110,7 @@ def joints_at(trace: Trace) -> list[list[float]]:
     return [moment.joints.round(6).tolist() for moment in trace.moments]
 
 
-def test_trace_that_is_left_is_what_was_not_retraced_and_the_deviation() -> None:
+def test_trace_left_is_what_was_not_retraced_and_the_deviation() -> None:
     """Ten steps out; five back, then the motion back deviates by two, and ends."""
     robot: Any = SimpleNamespace(joint_speeds=np.array([2.0, 2.0]), period=0.05)
     way, back = Trace(robot), Trace(robot)
