@@ -9,6 +9,7 @@ import numpy as np
 
 from handcart.evaluation.viewing.drawing.figure_file import save_figure
 from handcart.evaluation.viewing.drawing.palette import GREY, SERIES_COLOURS
+from handcart.evaluation.viewing.drawing.plain_text import plain
 from handcart.robotics.geometry.pose2 import Pose2
 
 from .wall_planning import WallPlan
@@ -57,7 +58,7 @@ def _from_above(plan: WallPlan, radius: float, ax: Any) -> None:
             x, y, turn = stop.pose
             ax.add_patch(Circle((x, y), radius, fill=False, color=colour))
             ax.arrow(x, y, radius * np.cos(turn), radius * np.sin(turn), color=colour, width=0.01)
-            ax.annotate(stop.name, (x, y - 0.12), color=colour, ha="center", va="top", fontsize=8)
+            ax.annotate(plain(stop.name), (x, y - 0.12), color=colour, ha="center", va="top", fontsize=8)
     for name, mark in plan.drawing.landmarks.items():
         ax.plot(mark.x_m, mark.y_m, "k+")
         behind = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}

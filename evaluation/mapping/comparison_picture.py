@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from handcart.evaluation.viewing.drawing.figure_file import save_figure
 from handcart.evaluation.viewing.drawing.palette import BLUE, VERMILION
+from handcart.evaluation.viewing.drawing.plain_text import plain
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.mapping.map_comparison import wall_points
 from handcart.robotics.navigation.maps.grid_map import GridMap
@@ -37,7 +38,7 @@ def draw_comparison(
     figure = Figure(figsize=(WIDTH_IN, height), layout="constrained")
     axis: Any = figure.add_subplot()
     for points, colour, name in zip(walls, (BLUE, VERMILION), names, strict=True):
-        axis.plot(*points.T, ",", color=colour, label=name, rasterized=True)
+        axis.plot(*points.T, ",", color=colour, label=plain(name), rasterized=True)
     axis.set_aspect("equal")
     axis.set_xlabel("x [m]")
     axis.set_ylabel("y [m]")

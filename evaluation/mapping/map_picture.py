@@ -13,6 +13,7 @@ from matplotlib.patches import Ellipse
 
 from handcart.evaluation.viewing.drawing.figure_file import save_figure
 from handcart.evaluation.viewing.drawing.palette import BLUE, GREEN, VERMILION
+from handcart.evaluation.viewing.drawing.plain_text import plain
 from handcart.robotics.navigation.mapping.map_building import BuiltMap
 
 WIDTH_IN = 9.0
@@ -43,7 +44,7 @@ def draw_map(built: BuiltMap, path: Path, title: str) -> None:
     _draw_loops(axis, built)
     axis.plot(*built.poses[:, :2].T, color=BLUE, linewidth=1.0, label="trajectory")
     _draw_ellipses(axis, built)
-    axis.set_title(title)
+    axis.set_title(plain(title))
     axis.set_xlabel("x [m]")
     axis.set_ylabel("y [m]")
     axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))

@@ -12,6 +12,7 @@ from matplotlib.patches import Ellipse
 
 from handcart.evaluation.viewing.drawing.figure_file import save_figure
 from handcart.evaluation.viewing.drawing.palette import BLACK, BLUE, GREEN, GREY, VERMILION
+from handcart.evaluation.viewing.drawing.plain_text import plain
 
 from .replay import Replayed
 
@@ -43,7 +44,7 @@ def draw_replay(replayed: Replayed, path: Path, title: str) -> None:
     figure = Figure(figsize=(CHART_WIDTH_IN, sum(heights) + 1.0), layout="constrained")
     axes = figure.subplot_mosaic(panels, height_ratios=heights)  # type: ignore[arg-type]
     above, below = axes["track"], axes["errors"]
-    above.set_title(title)
+    above.set_title(plain(title))
     _draw_fixes(above, replayed)
     above.plot(*replayed.poses[:, :2].T, color=TRACK_COLOUR, linewidth=1.5, label="estimated", zorder=3)
     if np.isfinite(replayed.truth[:, :2]).any():

@@ -11,6 +11,7 @@ from scipy.spatial import ConvexHull
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.evaluation.viewing.drawing.figure_file import save_figure
+from handcart.evaluation.viewing.drawing.plain_text import plain
 from handcart.robotics.geometry.footprint import Footprint
 from handcart.robotics.kinematics.shapes import Shape
 from handcart.robotics.kinematics.urdf_contents import bodies_of
@@ -48,7 +49,7 @@ def draw_robot(path: Path, robot: RobotFile, reach: HandReach | None) -> None:
     for row, (view, (across, up)) in zip(axes, VIEW_AXES.items(), strict=True):
         for item, (name, bodies) in zip(row, columns.items(), strict=True):
             _draw(item, bodies, still, (across, up), reach, robot.footprint_shape)
-            item.set_title(f"{name}, {view}" if name else view, fontsize=8)
+            item.set_title(plain(f"{name}, {view}" if name else view), fontsize=8)
         row[0].set_ylabel("z [m]" if up == 2 else "y [m], left up", fontsize=8)
     for item in axes[-1]:
         item.set_xlabel("x [m], ahead", fontsize=8)

@@ -23,6 +23,7 @@ from handcart.evaluation.viewing.drawing.palette import (
     VERMILION,
 )
 from handcart.evaluation.viewing.drawing.place_arrows import draw_places
+from handcart.evaluation.viewing.drawing.plain_text import plain
 from handcart.evaluation.viewing.drawing.track_lines import track_lines
 from handcart.networks.journal.journal_record import read_journal
 from handcart.networks.run_files.telemetry import RunTrack, load_track
@@ -98,7 +99,7 @@ def draw_overview(
         height_ratios=[tall, 0.2 * FOOTER_HEIGHT_IN, 0.8 * FOOTER_HEIGHT_IN],
         width_ratios=[1.35, 1.0] if picture is not None else [1.0],
     )
-    figure.suptitle(title, fontsize=11)
+    figure.suptitle(plain(title), fontsize=11)
     _draw_map(axes["map"], grid, radius)
     axes["map"].set_xlim(*window[0])
     axes["map"].set_ylim(*window[1])
@@ -111,7 +112,7 @@ def draw_overview(
     if picture is not None:
         name, pixels = picture
         axes["picture"].imshow(pixels)
-        axes["picture"].set_title(f"what was seen: {' '.join(name.split('_'))}", fontsize=9)
+        axes["picture"].set_title(plain(f"what was seen: {' '.join(name.split('_'))}"), fontsize=9)
         axes["picture"].set_axis_off()
     figure.draw_without_rendering()  # fixes the layout, on which the free space for names depends
     _draw_places(axes["map"], places)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from .palette import BLACK
+from .plain_text import plain
 
 LETTER_WIDTH_EM = 0.62  # mean width of a letter, relative to the font size
 LINE_HEIGHT_EM = 1.3  # relative to the font size
@@ -58,7 +59,7 @@ def draw_places(axis: Any, places: Mapping[str, tuple[float, float, float]], siz
                 taken.append(box)
                 offset = middle[0] - at[name][0], middle[1] - at[name][1]
                 axis.annotate(
-                    name,
+                    plain(name),
                     (x, y),
                     offset,
                     textcoords="offset points",

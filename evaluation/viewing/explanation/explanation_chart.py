@@ -14,6 +14,7 @@ import numpy as np
 from handcart.evaluation.viewing.drawing.figure_file import save_figure
 from handcart.evaluation.viewing.drawing.legend import add_legend
 from handcart.evaluation.viewing.drawing.palette import BLUE, GREY, PURPLE, SERIES_COLOURS, VERMILION
+from handcart.evaluation.viewing.drawing.plain_text import plain
 from handcart.files.errors import HandcartError
 from handcart.networks.runs.flight_recorder import Readings, load_arrays, load_readings
 from handcart.robotics.geometry.pose2 import Pose2
@@ -84,13 +85,15 @@ def _draw(explanation: Explanation, path: Path) -> None:
     _draw_seen(seen, explanation, readings)
     _draw_decided(gauge, decided)
     words.set_axis_off()
-    words.text(0.0, 1.0, _chain(explanation), va="top", fontsize=8, wrap=True, transform=words.transAxes)
+    words.text(
+        0.0, 1.0, plain(_chain(explanation)), va="top", fontsize=8, wrap=True, transform=words.transAxes
+    )
     if panels:
         axes = right.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         for axis, panel in zip(axes, panels, strict=True):
             _draw_panel(axis, panel, readings, explanation, decided)
         axes[-1].set_xlabel("time [s]; grey: commanded, shaded: restoring, orange: broken off, or a limit")
-    figure.suptitle(_title(explanation), fontsize=10)
+    figure.suptitle(plain(_title(explanation)), fontsize=10)
     save_figure(figure, path)
 
 
@@ -124,7 +127,7 @@ def _draw_seen(axis: Any, explanation: Explanation, readings: Readings) -> None:
     axis.set_anchor("N")
     if explanation.picture is not None:
         axis.imshow(_read(explanation.picture, _pixels))
-        axis.set_title(f"what was seen: {explanation.picture.stem}", fontsize=8)
+        axis.set_title(plain(f"what was seen: {explanation.picture.stem}"), fontsize=8)
         axis.set_axis_off()
     elif "ranges_m" in readings or explanation.points is not None:
         _draw_plan(axis, explanation, readings)
@@ -230,7 +233,7 @@ def _draw_decided(axis: Any, decided: dict[str, Any]) -> None:
     axis.margins(x=0.1)
     axis.set_yticks([])
     axis.tick_params(labelsize=7)
-    axis.set_title(f"{measured_words(decided)} (the line)", fontsize=8, loc="left", fontweight="bold")
+    axis.set_title(plain(f"{measured_words(decided)} (the line)"), fontsize=8, loc="left", fontweight="bold")
     for side in ("top", "left", "right"):
         axis.spines[side].set_visible(False)
 
