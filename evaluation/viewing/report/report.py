@@ -110,7 +110,31 @@ def _again(run: PastRun) -> str:
     words += [] if header.get("errors", True) else ["--no-errors"]
     for name, value in (header.get("settings") or {}).items():
         words += ["--set", f"{name}={value}"]
+    if (start := _own_start(run)) is not None and start != header["start"]:
+        words += ["--from", str(header["start"])]
+    if (begins_at := _chosen_begin(run)) is not None:
+        words += ["--begins-at", begins_at]
     return shlex.join([*words, "--seed", str(header["seed"])])
+
+
+def _own_start(run: PastRun) -> str | None:
+    """Return the situation in which the task's file begins; None if the file doesn't name it by itself."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import YAMLError
+
+    try:
+        read = YAML(typ="safe", pure=True).load(str(run.header.get("task_text", "")))
+    except YAMLError:
+        return None
+    start = read.get("start") if isinstance(read, dict) else None
+    return start if isinstance(start, str) else None
+
+
+def _chosen_begin(run: PastRun) -> str | None:
+    """Return the time of day at which the run began, if it isn't the one that the task's file implies."""
+    begins_at = run.header.get("begins_at")
+    first = None if run.network is None else run.network.network.aims.begins_at
+    return None if begins_at is None or (first and first.isoformat() == begins_at) else str(begins_at)
 
 
 def _actions(run: PastRun) -> Iterator[dict[str, Any]]:

@@ -46,3 +46,14 @@ def test_report_is_optional_and_a_missing_run_is_no_traceback(
     said = handcart("report", tmp_path / "nothing")
     assert said.status == 2
     assert "there is no such folder" in said.err
+
+
+def test_the_command_to_repeat_a_run_names_where_and_when_it_began(
+    handcart: Callable[..., Said], tour: Path, tmp_path: Path
+) -> None:
+    interrupts = 'interrupts: [{name: noon, when: {at: "12:00"}, goal: at_home}]\n'
+    tour.write_text(tour.read_text(encoding="utf-8") + interrupts, encoding="utf-8")
+    more = ("--from", "at_shelf", "--begins-at", "07:30")
+    assert handcart("run", tour, *more, "--runs", tmp_path / "runs").status == 0
+    page = (tmp_path / "runs" / "latest" / "report.html").read_text(encoding="utf-8")
+    assert f"Again: <code>handcart run {tour} --from at_shelf --begins-at 07:30:00 --seed 0</code>" in page
