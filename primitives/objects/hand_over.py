@@ -34,7 +34,7 @@ from handcart.primitives.objects.site.object_site import held_box, kind_of
 from handcart.primitives.objects.site.roomy_motion import (
     move_straight_with_room,
     move_with_room,
-    walled_surroundings_to_try,
+    surroundings_to_try,
 )
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
@@ -179,7 +179,7 @@ class HandOver(ActionPrimitive):
         kind, grip = kind_of(model, held.object), held.hand_T_object
         if self.posture is None:
             height = 1e-3 * self.height_mm
-            for around in walled_surroundings_to_try(robot, model):
+            for around in surroundings_to_try(robot, model):
                 found = yield from robot.compute(offering_joints, robot, kind, grip, height, around)
                 if found is not None:
                     return found
@@ -200,7 +200,7 @@ class HandOver(ActionPrimitive):
             )
         tried = (
             collision_model(robot, held_box(kind, grip), around)
-            for around in walled_surroundings_to_try(robot, model)
+            for around in surroundings_to_try(robot, model)
         )
         hits = [collision.contacts(joints) for collision in tried]
         if all(hits):

@@ -40,6 +40,8 @@ if TYPE_CHECKING:
 FOOT_OFF_M = 0.02  # that a foot may be off where it was seen, or is to be put
 LEVEL_M = 0.002  # between the heights of surfaces that one object stands on
 WALL_NAME = "what the map shows"
+MOST_WALLS, MOST_CERTAIN_WALLS = 60, 400  # more of them would be drawn as larger blocks
+UNSURE_CELLS = 0.9  # of a wall's thickness: half of the outermost cell on each side, and not quite all of one
 WALL_REACH_M = 1.4  # from the base, within which an arm may touch what is on the map
 WALL_HEIGHT_M = 2.4
 EDGE_CELLS = 1.5  # of the map, around a surface, that its own edge is drawn in
@@ -252,7 +254,9 @@ class Objects(Section):
         measured = next((pose.pose for pose in self.surface_poses if pose.surface == name), None)
         return surface if measured is None else surface.moved_to(measured)
 
-    def walls_near(self, grid: GridMap, point: Pose2, open_areas: Sequence[FloatArray] = ()) -> list[Box]:
+    def walls_near(
+        self, grid: GridMap, point: Pose2, open_areas: Sequence[FloatArray] = (), certain: bool = False
+    ) -> list[Box]:
         """Return boxes, posed on the map, for a map's obstacles within `WALL_REACH_M` of a point.
 
         Furniture that is a surface of the objects file is left out. The map doesn't show how high obstacles
@@ -262,6 +266,8 @@ class Objects(Section):
             grid: the map.
             point: pose of the base on the map.
             open_areas: outlines (n, 2) on the map, in [m], of further areas whose obstacles are left out.
+            certain: True for boxes that end within their outermost cells, where an obstacle's surface may be
+                anywhere; False for boxes around these cells.
         """
         outlines = (
             outline
@@ -270,11 +276,13 @@ class Objects(Section):
             for outline in (surface.outline, self.surface(name).outline)
         )
         margin = EDGE_CELLS * grid.resolution
-        found = boxes_near(grid, (point.x, point.y), WALL_REACH_M, [*open_areas, *outlines], margin)
+        most, less = (MOST_CERTAIN_WALLS, UNSURE_CELLS * grid.resolution) if certain else (MOST_WALLS, 0.0)
+        around = (point.x, point.y), WALL_REACH_M
+        found = boxes_near(grid, *around, [*open_areas, *outlines], margin, most)
         return [
             Box(
                 transform((box.x, box.y, WALL_HEIGHT_M / 2)),
-                (box.length, box.width, WALL_HEIGHT_M),
+                (box.length - less, box.width - less, WALL_HEIGHT_M),
                 WALL_NAME,
             )
             for box in found

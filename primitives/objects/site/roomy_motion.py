@@ -12,7 +12,7 @@ from handcart.primitives.contract.action_primitive import Periods
 from handcart.primitives.driving.driving import map_with_cells
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.motions.arm_motion import collision_model, move_straight, move_to_joints
-from handcart.primitives.objects.knowledge.objects import Objects
+from handcart.primitives.objects.knowledge.objects import WALL_NAME, Objects
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
 from handcart.robotics.geometry.transform import Transform
@@ -20,7 +20,7 @@ from handcart.robotics.kinematics.shapes import Box, Solid
 from handcart.robotics.manipulation.motions.collision_model import CollisionModel
 from handcart.robotics.numerics.arrays import FloatArray
 
-from .object_site import base_T_map, surroundings
+from .object_site import base_T_map, held_shape, surroundings
 
 POSE_SIGMAS = 2.0  # of the base's pose, that is kept away from walls
 WALL_DISTANCE_M = 0.8  # from the base to a wall at which its heading counts
@@ -79,25 +79,35 @@ def surroundings_to_try(
     order.
 
     The first sets keep the arm farthest from walls, and also contain the walls of `walls_to_try`. The last
-    set is that of `surroundings` without any additional distance.
+    set is that of `surroundings` without any additional distance, with the walls of `certain_walls`. Where
+    the map shows no wall, and for a door, which is in what it shows as a wall, there are sets without walls
+    instead of it.
 
     Args:
         robot: robot at the surfaces.
         model: knows map, surfaces and objects.
         without: name of an object that is left out.
-        open_areas: outlines (n, 2) on the map, in [m], of areas without walls.
+        open_areas: outlines (n, 2) on the map, in [m], of areas without walls: those of doors.
     """
     known = [surroundings(robot, model, without, room) for room in rooms(robot, model)]
     walls = walls_to_try(robot, model, open_areas)
-    return [*[(*bodies, *around) for around in walls for bodies in known], *known]
+    last = [(*known[-1], *certain_walls(robot, model))] if walls and not open_areas else known
+    return [*[(*bodies, *around) for around in walls for bodies in known], *last]
 
 
-def walled_surroundings_to_try(robot: Robot, model: ModelView) -> list[tuple[Solid, ...]]:
-    """Return those sets of `surroundings_to_try` that contain the map's obstacles, for choosing a posture
-    that must be clear of them; all sets if the map shows no obstacle near the robot.
+def certain_walls(robot: Robot, model: ModelView) -> tuple[Solid, ...]:
+    """Return the parts of the map's obstacles that are certainly there, in the base frame.
+
+    They end in the middle of the outermost cells. Those in which the arm is already, or the held object, are
+    left out: they are low, or not where the map shows them.
     """
-    tried = surroundings_to_try(robot, model)
-    return tried[: -len(rooms(robot, model))] if walls_to_try(robot, model) else tried
+    objects, to_base = model.of(Objects), base_T_map(robot)
+    walls = objects.walls_near(model.map, robot.pose, certain=True)
+    around = tuple(wall.seen_from(to_base) for wall in walls)
+    here, collision = robot.arm.command(), collision_model(robot, held_shape(model), around)
+    if not any(WALL_NAME in pair for pair in collision.contacts(here)):
+        return around
+    return tuple(wall for wall in around if not collision.touches(here, wall))
 
 
 def move_with_room(
@@ -122,13 +132,10 @@ def move_with_room(
         open_areas: outlines (n, 2) on the map, in [m], of areas without walls.
 
     Raises:
-        Discrepancy: no free path was found, not even without the additional distance.
+        Discrepancy: no free path was found, not even one that is close to walls.
     """
-    *roomy, last = surroundings_to_try(robot, model, without, open_areas)
-    walled = len(roomy) + 1 - len(rooms(robot, model))
-    tried = [(bodies, False) for bodies in roomy]
-    tried[walled:walled] = [(bodies, True) for bodies in roomy[:walled]]
-    for bodies, eased in tried:
+    *others, last = _attempts(robot, model, without, open_areas)
+    for bodies, eased in others:
         around = (*bodies, *also_around)
         if not _is_worth_planning(robot, collision_model(robot, held, around), joints, eased):
             continue
@@ -138,7 +145,25 @@ def move_with_room(
         except Discrepancy as no_way:
             if no_way.cause is not causes.NO_ARM_PATH:
                 raise
-    yield from move_to_joints(robot, joints, held, (*last, *also_around))
+    bodies, eased = last
+    yield from move_to_joints(robot, joints, held, (*bodies, *also_around), eased)
+
+
+def _attempts(
+    robot: Robot, model: ModelView, without: str, open_areas: Sequence[FloatArray]
+) -> list[tuple[tuple[Solid, ...], bool]]:
+    """Return the sets of obstacles to plan with, in their order, each with whether an arm that is too close
+    to one may stay as close; see `surroundings_to_try`.
+    """
+    tried = surroundings_to_try(robot, model, without, open_areas)
+    walls = walls_to_try(robot, model, open_areas)
+    count = len(walls) * len(rooms(robot, model))
+    walled, last = tried[:count], tried[count:]
+    is_certain = bool(walls) and not open_areas
+    return [
+        *((bodies, eased) for eased in (False, True) for bodies in walled),
+        *((bodies, eased) for eased in ((False, True) if is_certain else (False,)) for bodies in last),
+    ]
 
 
 def _is_worth_planning(robot: Robot, collision: CollisionModel, joints: FloatArray, eased: bool) -> bool:

@@ -6,6 +6,8 @@ import math
 from pathlib import Path
 from typing import Any
 
+import cv2
+import numpy as np
 import pytest
 import yaml
 
@@ -59,6 +61,34 @@ def test_edge_of_the_table_beside_a_spot_is_no_thing(tmp_path: Path) -> None:
     with before_table_b(tmp_path, objects) as rig:
         outcome = rig.do(PlaceObject(surface="table_b", spot="right"))
         assert isinstance(outcome, Success), outcome
+
+
+def behind_a_screen(folder: Path) -> Rig:
+    """Return a robot that holds a parcel before table B; a mapped screen is between it and a spot."""
+    (x0, x1), y, thick = (4.7, 4.88), 1.93, 0.1
+    pose = ("x_m: 1.0, y_m: 1.0, heading_deg: 0.0", "x_m: 4.3, y_m: 2.0, heading_deg: 0.0")
+    picture = cv2.imread(str(TASK / "map.png"), cv2.IMREAD_GRAYSCALE)
+    assert picture is not None
+    rows, columns = np.indices(picture.shape)
+    at_x, at_y = 0.02 * columns - 0.25, 0.02 * (len(picture) - 1 - rows) - 0.25
+    picture[(x0 < at_x) & (at_x < x1) & (abs(at_y - y) < thick / 2)] = 0
+    cv2.imwrite(str(folder / "map.png"), picture)
+    world = changed(folder, "world.yaml", pose)
+    data = yaml.safe_load(world.read_text(encoding="utf-8"))
+    data["walls"].append({"from_m": [x0, y], "to_m": [x1, y], "thickness_m": thick})
+    world.write_text(yaml.safe_dump(data), encoding="utf-8")
+    places, known_map = changed(folder, "places.yaml", pose), changed(folder, "map.yaml")
+    return rig_holding(world, seed=3, places=places, known_map=known_map)
+
+
+@pytest.mark.slow
+def test_spot_behind_a_mapped_screen_is_out_of_reach(tmp_path: Path) -> None:
+    """The arm reached through the screen where no other posture puts the object down there."""
+    with behind_a_screen(tmp_path) as rig:
+        outcome = rig.do(PlaceObject(surface="table_b", spot="right"))
+        assert isinstance(outcome, Fail), outcome
+        assert outcome.cause.name == "out_of_reach"
+        assert not scene_of(rig).contacts
 
 
 def knowing_the_other(folder: Path) -> Rig:

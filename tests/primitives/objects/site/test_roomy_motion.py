@@ -14,6 +14,7 @@ from handcart.primitives.objects.knowledge.objects import WALL_NAME, Objects
 from handcart.primitives.objects.look_for import LookFor
 from handcart.primitives.objects.site.roomy_motion import (
     MAX_ROOM_M,
+    certain_walls,
     move_straight_with_room,
     move_with_room,
     rooms,
@@ -57,7 +58,7 @@ def test_without_walls_no_room_is_kept() -> None:
 def test_map_is_a_wall_in_what_is_tried_first(rig: Rig) -> None:
     """The robot is 1.0 m from two walls of the room; the map doesn't show how high they are."""
     tried = surroundings_to_try(rig.robot, view_of(rig))
-    assert [any(body.name == WALL_NAME for body in bodies) for bodies in tried] == [True, True, False, False]
+    assert [any(body.name == WALL_NAME for body in bodies) for bodies in tried] == [True, True, True]
     map_T_base = rig.robot.pose.lift()
     walls = [body.seen_from(map_T_base) for body in tried[0] if body.name == WALL_NAME]
     assert all(top(body) > 2.0 and bottom(body) < 0.01 for body in walls)
@@ -69,7 +70,7 @@ def test_map_is_a_wall_in_what_is_tried_first(rig: Rig) -> None:
 
 
 def test_unmapped_post_that_the_lidar_sees_is_a_wall_first(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Postures that the post blocks are tried among the walls of the map alone, then without any."""
+    """Postures that the post blocks are tried among the walls of the map alone."""
     post = rig.robot.pose.apply(np.array([[0.6, 0.3]]))[0]
     monkeypatch.setattr(rig.model, "sensed_cells", np.array([[*post, 50.0, 0.0]]))
     tried = surroundings_to_try(rig.robot, view_of(rig))
@@ -82,8 +83,34 @@ def test_unmapped_post_that_the_lidar_sees_is_a_wall_first(rig: Rig, monkeypatch
         )
         for bodies in tried
     ]
-    assert found == [True, True, False, False, False, False]
-    assert [any(body.name == WALL_NAME for body in bodies) for bodies in tried] == [*[True] * 4, False, False]
+    assert found == [True, True, False, False, False]
+    assert all(any(body.name == WALL_NAME for body in bodies) for bodies in tried)
+
+
+def test_walls_that_are_certain_end_within_their_cells(rig: Rig) -> None:
+    """Where a lidar met a wall within a cell isn't known."""
+    grid, objects = rig.model.map, rig.model.of(Objects)
+    drawn, certain = (objects.walls_near(grid, rig.robot.pose, certain=certain) for certain in (False, True))
+    assert len(drawn) == len(certain) > 0
+    for box, core in zip(drawn, certain, strict=True):
+        assert core.pose == pytest.approx(box.pose)
+        thinner = np.array(box.size) - core.size
+        assert thinner == pytest.approx([0.9 * grid.resolution, 0.9 * grid.resolution, 0.0])
+
+
+@pytest.mark.parametrize(("over_m", "is_wall"), [(0.02, True), (-0.02, False)])
+def test_what_the_arm_is_in_already_is_no_wall(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch, over_m: float, is_wall: bool
+) -> None:
+    """It is low, or not where the map shows it; other walls are kept."""
+    tip = (rig.robot.base_T("hand") @ [rig.robot.spec.finger_shape.tip, 0.0, 0.0, 1.0])[:3]
+    map_T_base = rig.robot.pose.lift()
+    near = Box(transform(tip + np.array([0.03 + over_m, 0.0, 0.0])), (0.06, 0.4, 2.4), WALL_NAME)
+    far = Box(transform(tip + np.array([0.5, 0.0, 0.0])), (0.06, 0.4, 2.4), WALL_NAME)
+    boxes = [wall.seen_from(map_T_base) for wall in (near, far)]
+    monkeypatch.setattr(Objects, "walls_near", lambda *_, **__: boxes)
+    found = [wall.pose[0, 3] for wall in certain_walls(rig.robot, view_of(rig))]
+    assert found == pytest.approx([wall.pose[0, 3] for wall in ((near, far) if is_wall else (far,))])
 
 
 def test_table_of_the_file_is_no_wall(rig: Rig) -> None:
