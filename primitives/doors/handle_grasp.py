@@ -34,6 +34,7 @@ too far from its command before the hand pulls.
 GOOD_LEVER_M = 0.35
 DAMPING = 1e-6
 STRAIGHT_STEP_M = 0.01
+FRAME_GAP_M = 0.02  # between a front and what it is built into
 
 
 class PlannedHandle(NamedTuple):
@@ -61,8 +62,8 @@ def plan_handle(
     """Return the grasp with which the hand can move the handle the farthest; None if there is none.
 
     On the path of the handle, and as the hand withdraws at its end, the arm touches neither obstacles nor the
-    robot nor the front, and the front does not touch the robot. The front is not checked against obstacles,
-    such as the frame around it.
+    robot nor the front, and the front touches neither the robot nor obstacles. The front is not checked
+    against what it is within `FRAME_GAP_M` of, now or closed, such as the frame around it.
 
     Args:
         robot: robot with an arm and a gripper.
@@ -80,11 +81,13 @@ def plan_handle(
     from_now = np.linalg.inv(joint.displaced(openings[0]))
     moved = front.seen_from(np.asarray(joint.displaced(openings[1]) @ from_now))
     at_end = CollisionModel(arm, (*around, moved), margin=ARM_MARGIN_M)
+    closed = front.seen_from(np.asarray(joint.displaced(0.0) @ from_now))
+    frame = frozenset[str]().union(*(collision.obstacles_near(at, FRAME_GAP_M) for at in (front, closed)))
     here, best = robot.arm.command(), None
     for handle_T_hand in hand_poses(door, robot.spec.finger_shape.tip):
         grip = np.asarray(base_T_handle @ handle_T_hand)
         ahead = np.asarray(grip @ transform((-APPROACH_M, 0.0, 0.0)))
-        checks = _moving_front(arm, around, front, grip), at_end
+        checks = _moving_front(arm, around, front, grip, frame), at_end
         for number, before in enumerate(arm.solutions(ahead, here, restarts=IK_RESTARTS)):
             if number == POSTURES_PER_GRASP:
                 break
@@ -120,18 +123,19 @@ def hand_poses(door: KnownDoor, tip: float) -> Iterator[Transform]:
 
 
 def _moving_front(
-    arm: ArmModel, around: Sequence[Solid], front: Solid, base_T_grip: Transform
+    arm: ArmModel, around: Sequence[Solid], front: Solid, base_T_grip: Transform, frame: frozenset[str]
 ) -> CollisionModel:
     """Return a model of the arm with a door's front that moves along with the hand on its handle.
 
     Args:
         arm: the arm.
-        around: obstacles in the base frame, which the front may touch.
+        around: obstacles in the base frame.
         front: front of the door, in the base frame, where the hand takes the handle.
         base_T_grip: (4, 4) pose of the hand there.
+        frame: names of the obstacles that the front may touch.
     """
-    carried, touched = front.seen_from(inverse(base_T_grip)), {body.name for body in around}
-    allowed = [(HELD_NAME, name) for name in touched]
+    carried = front.seen_from(inverse(base_T_grip))
+    allowed = [(HELD_NAME, name) for name in sorted(frame)]
     return CollisionModel(arm, around, carried, margin=ARM_MARGIN_M, allowed=allowed)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from functools import lru_cache
 from itertools import pairwise
 
@@ -153,16 +153,27 @@ class CollisionModel:
 
     def obstacle_touches(self, body: Shape) -> bool:
         """Return whether an obstacle touches another body, posed in the frame of the obstacles."""
+        return next(self._obstacles_near(body, _TOUCH), None) is not None
+
+    def obstacles_near(self, body: Shape, distance: float) -> frozenset[str]:
+        """Return the names of the obstacles that another body is closer to than a distance.
+
+        Args:
+            body: other body, posed in the frame of the obstacles.
+            distance: distance between both surfaces, in [m].
+        """
+        return frozenset(self._obstacles_near(body, distance))
+
+    def _obstacles_near(self, body: Shape, distance: float) -> Iterator[str]:
         geometry, placed = coal_body(body), _placement(body.pose)
         for obstacle in self._surroundings:
             request, result = pin.coal.CollisionRequest(), pin.coal.CollisionResult()
-            request.security_margin = _TOUCH
+            request.security_margin = distance
             pin.coal.collide(
                 geometry, placed, coal_body(obstacle), _placement(obstacle.pose), request, result
             )
             if result.isCollision():
-                return True
-        return False
+                yield obstacle.name
 
     def line_free(self, q_from: FloatArray, q_to: FloatArray, step: float = 0.01) -> bool:
         """Return True if nothing collides on the straight joint line between two postures, ends included.

@@ -184,6 +184,23 @@ def test_front_is_not_moved_into_the_base(tmp_path: Path, begins_at: float, reac
         assert (plan.reach == 1.0) is reaches
 
 
+@pytest.mark.parametrize(("away", "is_in_the_way"), [(0.12, True), (0.35, False), (-0.01, False)])
+def test_front_is_not_moved_into_a_known_thing(tmp_path: Path, away: float, is_in_the_way: bool) -> None:
+    """The drawer is opened by 0.2 m; what it touches already is the frame that it is built into."""
+    with rig_at("drawer", tmp_path) as rig:
+        primitive = OpenDoor(door="drawer")
+        model: Any = rig.model.view(primitive)  # type: ignore[arg-type]
+        joint, door = primitive.believed_joint(rig.robot, model), primitive.known(model)
+        handle = joint.handle_at(0.0)
+        front = primitive._front(model, joint, handle)
+        face, width = front.size[0] / 2, front.size[1] / 2
+        at = front.pose @ transform((face + away + 0.01, width - 0.02, 0.0))
+        thing = Box(at, (0.02, 0.02, front.size[2]), "thing")
+        plan = plan_handle(rig.robot, door, handle, joint, (0.0, 0.2), front, (thing,))
+        assert plan is not None
+        assert (plan.reach < 1.0) is is_in_the_way
+
+
 @pytest.mark.slow
 def test_arm_goes_home_clear_of_the_opened_door(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     kept_clear: list[Any] = []
