@@ -6,18 +6,23 @@ import io
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
 
 from handcart.evaluation.viewing.playback.playback import Playback
+from handcart.evaluation.viewing.playback.scenery import RobotShape
+from handcart.evaluation.viewing.playback.seven import on_floor, seven, sevens, transforms
+from handcart.evaluation.viewing.view.rays import height_of
 from handcart.files.whole_file import write_whole
 from handcart.files.xml_file import checked_xml
 from handcart.networks.past_runs.past_run import PastRun
 from handcart.networks.run_files.run_folder import read_file
+from handcart.robotics.geometry.transform import Transform, inverse, transform
 from handcart.robotics.kinematics.urdf_assembly import root_link
-from handcart.robotics.numerics.arrays import Int8Array
+from handcart.robotics.kinematics.urdf_frames import link_poses
+from handcart.robotics.numerics.arrays import FloatArray, Int8Array
 
 from .events import event_messages
 from .scene import on_map, scene_messages
@@ -27,7 +32,9 @@ if TYPE_CHECKING:
     from foxglove.messages import FrameTransforms, Grid, JointStates, LaserScan
 
 CAMERA_FRAME, LIDAR_FRAME = "camera", "range_sensor"
-"""Names of the sensors' frames; the frame of the base is the URDF's root link."""
+"""Names of the sensors' frames."""
+BASE_LINK = "base"
+"""Link of the URDF whose pose is estimated; the root link, which may be another one, carries it."""
 FINGER_JOINTS = ("left_finger", "right_finger")
 """Finger joints, each at half the gripper's opening, if the URDF has them."""
 MAX_SUMMARY_BYTES = 64 * 2**20
@@ -81,11 +88,13 @@ def _bases(recorded: Playback) -> Iterator[Message]:
     """Yield the estimated and the true poses of the base, and the particles."""
     from foxglove.messages import PoseInFrame, PosesInFrame
 
-    rows, root = recorded.rows, root_link(_urdf(recorded))
+    rows, frames = recorded.rows, robot_frames(recorded.scenery.robot)
     truth = on_map(recorded, rows.truth)
+    roots, known = np.full((len(rows.pose), 7), np.nan), np.isfinite(rows.pose).all(axis=1)
+    roots[known] = sevens(transforms(on_floor(rows.pose[known])) @ frames.base_T_root)
     for row, time in enumerate(rows.time.tolist()):
         believed = pose_of(rows.pose[row])
-        yield time, "/tf", _transforms(recorded, row, root)
+        yield time, "/tf", _transforms(time, roots[row], frames)
         yield time, "/pose", PoseInFrame(timestamp=stamp(time), frame_id=MAP_FRAME, pose=believed)
         if np.isfinite(rows.truth[row]).all():
             true = pose_of(truth[row])
@@ -110,15 +119,38 @@ def _sensed(recorded: Playback) -> Iterator[Message]:
         yield time, "/camera", image
 
 
-def _transforms(recorded: Playback, row: int, root: str) -> FrameTransforms:
-    """Return the transforms of the base on the map and of the lidar on the base."""
+class RobotFrames(NamedTuple):
+    """Root link of a robot's URDF, with its pose on the base and the lidar's pose on it."""
+
+    root: str
+    base_T_root: Transform
+    """(4, 4) pose of the root link in the frame of the base."""
+    root_T_lidar: FloatArray
+    """(7,) pose of the lidar in the root link: x, y, z in [m], and a unit quaternion w, x, y, z."""
+
+
+def robot_frames(robot: RobotShape) -> RobotFrames:
+    """Return the frames of a recorded robot; without a link `base`, the root link is the base."""
+    root = root_link(ElementTree.fromstring(checked_xml(robot.urdf.encode(), "the recorded URDF")))
+    poses = link_poses(robot.urdf)
+    root_T_base = poses.get(BASE_LINK, np.eye(4))
+    x, y, heading = robot.base_t_sensor
+    base_T_lidar = transform((x, y, height_of(robot.urdf)), (0.0, 0.0, heading))
+    return RobotFrames(root, inverse(root_T_base), np.array(seven(root_T_base @ base_T_lidar)))
+
+
+def _transforms(time: float, map_T_root: FloatArray, frames: RobotFrames) -> FrameTransforms:
+    """Return the transforms of the robot on the map and of the lidar on the robot.
+
+    Args:
+        time: of the transforms, in [s].
+        map_T_root: (7,) pose of the root link on the map, as in `RobotFrames.root_T_lidar`.
+        frames: the robot's frames.
+    """
     from foxglove.messages import FrameTransform, FrameTransforms
 
-    at = stamp(float(recorded.rows.time[row]))
-    links = (
-        (MAP_FRAME, root, recorded.rows.pose[row]),
-        (root, LIDAR_FRAME, np.array(recorded.scenery.robot.base_t_sensor)),
-    )
+    at = stamp(time)
+    links = ((MAP_FRAME, frames.root, map_T_root), (frames.root, LIDAR_FRAME, frames.root_T_lidar))
     return FrameTransforms(
         transforms=[
             FrameTransform(
