@@ -49,6 +49,8 @@ class ScanEvidence(NamedTuple):
     """Share of the information along it that the cost confirms, 0 to 1; 0 where that is too little."""
     more: float = 0.0
     """Information in [1/m²] that the slopes miss: between the two sides of a thin wall the field is flat."""
+    turn_share: float = 1.0
+    """Share of the information about the heading that the cost confirms, 0 to 1 (`turn_evidence`)."""
 
 
 def weakest_evidence(
@@ -306,7 +308,7 @@ def confirmed(seen: ScanEvidence, before: ScanEvidence | None) -> ScanEvidence:
     contradicts it.
 
     That is so if the previous scan determined the position worst in about the same direction, and gave no
-    usable evidence there.
+    usable evidence there; and for `turn_share` if the previous scan gave none about the heading.
 
     The steps between the cells of a diagonal wall may give false evidence in a single scan, but rarely in two
     successive ones.
@@ -315,7 +317,11 @@ def confirmed(seen: ScanEvidence, before: ScanEvidence | None) -> ScanEvidence:
         seen: evidence of the current scan.
         before: evidence of the previous scan; None if there is none, and `seen` is returned unchanged.
     """
-    if before is None or before.share > 0.0:
+    if before is None:
+        return seen
+    if before.turn_share == 0.0:
+        seen = seen._replace(turn_share=0.0)
+    if before.share > 0.0:
         return seen
     return (
         seen._replace(share=0.0, more=0.0)

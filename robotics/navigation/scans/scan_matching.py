@@ -15,6 +15,7 @@ from handcart.robotics.numerics.compiled import compiled
 from .likelihood_field import LikelihoodField as LikelihoodField
 from .likelihood_field import beam_sectors, read_field
 from .scan_evidence import ScanEvidence, confirmed, unrelated, weakest_evidence
+from .turn_evidence import turn_evidence, without_turn
 
 INLIER_SCALES = 3.0  # scales within which a point counts as explained by the map
 OF_SIGMA = 0.6745  # of a normal error's sigma: half of the errors are smaller
@@ -22,6 +23,8 @@ CELL_SIGMA = 0.3  # of a cell: spread of a surface that lies anywhere in its cel
 CELL_BIAS = 0.3  # of a cell: error of a pose by one wall, because surfaces lie anywhere in their cells
 FEWEST_POINTS = 20  # points of which an explained share says something
 MIN_INFORMATION_SHARE = 1e-6  # of an information: a scan may not determine all of a pose
+HELD_HEADING = np.diag([0.0, 0.0, 1e10])
+"""Information in [1/rad²] that keeps the heading of the prior where the scan does not determine it."""
 ANNEALING_SCALES_M = (
     0.5,
     0.35,
@@ -145,17 +148,26 @@ def match_scan(
     if len(used):
         on_map = pose.apply(used)
         reading = field.reading(on_map, pose[:2])
-        residuals = reading.distances
-        evidence = weakest_evidence(
-            grid, field.facing, on_map, reading, pose, hessian - information, final, noise
-        )
+        residuals, alone = reading.distances, hessian - information
+        evidence = weakest_evidence(grid, field.facing, on_map, reading, pose, alone, final, noise)
+        turn = turn_evidence(grid, field.facing, on_map, reading, pose, alone, evidence, final)
+        evidence = evidence._replace(turn_share=turn.share)
         seen = confirmed(evidence, before)
         if seen.share < 1.0:
             information = _inverse(unrelated(prior_covariance, seen))
             found, hessian = descend(information, final)
             pose = Pose2(*found.tolist())
             residuals = field.reading(pose.apply(used), pose[:2]).distances
+        held = information
+        if seen.turn_share == 0.0:
+            held = information + HELD_HEADING
+            found, hessian = descend(held, final)
+            pose = Pose2(*found.tolist())
+            residuals = field.reading(pose.apply(used), pose[:2]).distances
         hessian[:2, :2] += seen.more * seen.direction[:, None] * seen.direction
+        if seen.turn_share < 1.0:
+            turn = turn._replace(share=seen.turn_share)
+            hessian = information + without_turn(hessian - held, turn)
     count = max(len(used), min(len(points), FEWEST_POINTS))  # that are left must explain something
     inliers = np.count_nonzero(residuals < INLIER_SCALES * noise) / count if count else 0.0
     fit = _inverse(hessian, 1e-9)
