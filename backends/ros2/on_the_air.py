@@ -91,7 +91,22 @@ def _deaf(topics: RosTopics, link: Link) -> list[str]:
     return [*unheard(topics, link), *unknown]
 
 
+def empty_air(topics: RosTopics, link: Link) -> str:
+    """Return where drivers were looked for, as text, if the air has none of the robot's; "" otherwise."""
+    readings = {sensor.source.topic for sensor in topics.sensors}
+    kinds = {sensor.KIND for sensor in topics.sensors}
+    others = (topic for kind in kinds for topic in link.topics_of(kind))
+    if not link.place or any(map(link.publishers, (*readings, *others))):
+        return ""
+    return (
+        f"no driver of the robot is on the air in {link.place}; needed: running drivers, and their domain"
+        " (ROS_DOMAIN_ID, or `domain` in the section ros2)"
+    )
+
+
 def _findings(topics: RosTopics, link: Link) -> Iterator[str]:
+    if where := empty_air(topics, link):
+        yield where
     for sensor in _silent(topics):
         yield silence(sensor, link)
     for topic in unheard(topics, link):

@@ -3,7 +3,8 @@
 Commands and readings pass through the messages of ROS, without its middleware. Printed is one row: checks
 that hold, violations after injected faults, liars that were caught. `--actions` moves arm and fingers by
 goals of actions instead of topics. The whole row costs some ten minutes of CPU time. Status 1 if a check
-failed, a fault was followed by a violation, fewer than 300 were injected, or a liar was missed.
+failed, a fault was followed by a violation, fewer than 300 were injected, or a liar was missed. Ctrl-C prints
+the row of the jobs that have ended, status 130.
 """
 
 from __future__ import annotations
@@ -17,9 +18,10 @@ from tempfile import TemporaryDirectory
 
 import yaml
 
+from benchmarks.cut_off import CUT_OFF_STATUS, CutOff
 from handcart.backends.loading.robot_loading import load_robot
-from handcart.evaluation.conformance.kit import QUICK_PARTS, KitSetting, run_kit
-from handcart.evaluation.conformance.report import KitReport
+from handcart.evaluation.conformance.kit import QUICK_PARTS, KitSetting, report_of, run_kit
+from handcart.evaluation.conformance.report import KitReport, Result
 
 MIN_FAULTS = 300
 ACTION = "arm_controller/follow_joint_trajectory"
@@ -36,22 +38,28 @@ def main() -> None:
     words.add_argument("--instants", type=int, help="of each primitive's run at which faults are injected")
     words.add_argument("--jobs", type=int, default=1, help="processes side by side")
     asked = words.parse_args()
-    begun = time.monotonic()
+    begun, of_all = time.monotonic(), 0
 
     def tell(done: int, count: int) -> None:
-        passed = time.monotonic() - begun
+        nonlocal of_all
+        passed, of_all = time.monotonic() - begun, count
         print(f"\r{done} of {count} jobs done after {passed:.0f} s", end="", file=sys.stderr, flush=True)
 
     print("loading", end="", file=sys.stderr, flush=True)
+    results: dict[int, Result] = {}
     with TemporaryDirectory(prefix="kit-") as folder:
         robot = robot_by_actions(asked.robot, Path(folder)) if asked.actions else asked.robot
         parts, instants = tuple(asked.parts), asked.instants
         setting = KitSetting("ros2", robot, True, parts, instants=instants, simulated=asked.bench)
-        report = run_kit(setting, asked.jobs, tell)
+        with CutOff() as cut:
+            run_kit(setting, asked.jobs, tell, results)
+        report = report_of(setting, results)
     print(file=sys.stderr)
-    print(row_of(report, asked.parts), flush=True)
+    print(f"{row_of(report, asked.parts)}{cut.words(len(results), of_all)}", flush=True)
     for line in findings_of(report):
         print(f"    {line}", flush=True)
+    if cut.came:
+        sys.exit(CUT_OFF_STATUS)
     few = "faults" in asked.parts and report.injected < MIN_FAULTS
     if few:
         print(f"    {report.injected} faults are fewer than {MIN_FAULTS}")

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import ctypes
+import fcntl
 import importlib
 import importlib.util
 import multiprocessing
 import os
 import signal
+import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 from handcart.backends.backend import Backend, RobotFault
@@ -38,6 +41,7 @@ FIRST_PERIODS = 10
 ANSWER_S = 60.0
 """[s] in which a process has to answer; the machine may be busy."""
 FIRST_DOMAIN, DOMAINS = 30, 60
+LOCKS_FOLDER = Path(tempfile.gettempdir())
 END_WITH_PARENT = 1
 """Option `PR_SET_PDEATHSIG` of Linux' `prctl`."""
 DROVE_TO_END = "drove to its end"
@@ -173,10 +177,24 @@ def watching() -> Iterator[Watched]:
 
 @contextmanager
 def on_the_air(trial: int) -> Iterator[None]:
-    """Give the processes that are forked inside a ROS domain of their own on this machine."""
+    """Give the processes that are forked inside a ROS domain of their own on this machine.
+
+    A domain that another benchmark uses at the same time is passed over.
+    """
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-    os.environ["ROS_DOMAIN_ID"] = str(FIRST_DOMAIN + trial % DOMAINS)
-    yield
+    with ExitStack() as kept:
+        for number in range(trial, trial + DOMAINS):
+            domain = FIRST_DOMAIN + number % DOMAINS
+            file = kept.enter_context((LOCKS_FOLDER / f"handcart-domain-{domain}-{os.getuid()}").open("w"))
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                continue
+            kept.callback(fcntl.flock, file, fcntl.LOCK_UN)  # forked processes have the file as well
+            os.environ["ROS_DOMAIN_ID"] = str(domain)
+            yield
+            return
+    raise RuntimeError(f"{DOMAINS} benchmarks use all ROS domains from {FIRST_DOMAIN}; needed: a free one")
 
 
 def cart(max_late_ms: float, first_message_s: float = 30.0, stale_ms: float | None = None) -> RobotFile:

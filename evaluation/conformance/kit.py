@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+import signal
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass
 from functools import cached_property
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from pathlib import Path
 
 from handcart.evaluation.conformance.checks.all_checks import checks
@@ -220,7 +221,10 @@ def jobs_of(setting: KitSetting) -> list[Job]:
 
 
 def run_kit(
-    setting: KitSetting, processes: int = 2, tell: Callable[[int, int], None] = lambda done, count: None
+    setting: KitSetting,
+    processes: int = 2,
+    tell: Callable[[int, int], None] = lambda done, count: None,
+    results: dict[int, Result] | None = None,
 ) -> KitReport:
     """Run the conformance kit, which tests a backend with a robot, in a pool of processes.
 
@@ -228,12 +232,19 @@ def run_kit(
         setting: backend and robot to test, and selected parts of the kit.
         processes: number of parallel processes.
         tell: called after each job, and from time to time, with the numbers of finished and of all jobs.
+        results: filled with the result of each job that has ended, by the job's number, also if Ctrl-C cuts
+            the kit off; None where the report of the complete kit is enough.
     """
     jobs = jobs_of(setting)
-    results: dict[int, Result] = {}
+    results = {} if results is None else results
     for ended in _in_processes(jobs, processes):
         results.update(ended)
         tell(len(results), len(jobs))
+    return report_of(setting, results)
+
+
+def report_of(setting: KitSetting, results: Mapping[int, Result]) -> KitReport:
+    """Return the report of the results of the kit's jobs, by their numbers."""
     in_order = [results[number] for number in sorted(results)]
     return KitReport.of(setting.backend, setting.robot, setting.quick, in_order)
 
@@ -247,9 +258,10 @@ def _in_processes(jobs: Sequence[Job], processes: int) -> Iterator[dict[int, Res
                 over, _ = wait(running, PROGRESS_PERIOD_S, FIRST_COMPLETED)
                 ended = {running.pop(item): item for item in over}
                 yield {number: _result(jobs[number], future) for number, future in ended.items()}
-        finally:
-            for item in running:
-                item.cancel()
+        except BaseException:  # jobs under way may take minutes
+            for child in active_children():
+                child.terminate()
+            raise
 
 
 def _done(job: Job) -> Result:
@@ -265,5 +277,6 @@ def _begins() -> None:
     """Set up each process of the pool."""
     import cv2
 
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends Ctrl-C to the processes as well
     end_with_parent()
     cv2.setNumThreads(1)

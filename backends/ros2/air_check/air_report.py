@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.ros_spec import RosSpec
+from handcart.backends.ros2.on_the_air import empty_air
 from handcart.backends.ros2.ros_topics import RosTopics, check_ros_section
 from handcart.backends.ros2.wire.ros_link import Link
 
@@ -61,7 +62,9 @@ def listen(
     heard = HeardRobot(robot, spec, RosTopics(robot, spec, ears), ears, over)
     heard.wait_for_all(wait, spec.first_message_s)
     heard.measure(wait, seconds)
+    nowhere = empty_air(heard.topics, link)
     found = [
+        *([AirFinding(("ros2",), nowhere)] if nowhere else []),
         *reading_findings(heard),
         *command_findings(heard),
         *sensor_findings(heard),

@@ -21,7 +21,7 @@ class ListeningLink(Link):
 
     def __init__(self, link: Link) -> None:
         """Take a connection that the caller owns."""
-        self._link = link
+        self._link, self.place = link, link.place
         self.meters: dict[str, TopicMeter] = {}
         """Measurement of each topic that is heard."""
 

@@ -33,6 +33,9 @@ SERVICE_TIMEOUT_S = 1.0
 class Link(Protocol):
     """Interface of a ROS node's connection to topics and actions, on a ROS network or within this process."""
 
+    place: str = ""
+    """Where other nodes are found, for messages, such as `ROS domain 0`; "" within this process."""
+
     def subscribe(self, kind: str, topic: str, take: Take, latched: bool = False) -> None:
         """Subscribe to a topic with messages of type `kind`, and call `take` with each message.
 
@@ -142,6 +145,7 @@ class RosLink(Link):
             self._node.destroy_node()
             self._context.try_shutdown()
             self._context, self._node = _new_node(rclpy, name, namespace, domain)
+        self.place = f"ROS domain {self._context.get_domain_id()}"
         self._executor = self._new_executor(executors)
         self._executor.add_node(self._node)
         self._heard: list[tuple[Any, Take, int]] = []

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.ros2.judged import Lateness, LoopWatch, QueueClock, Tally, Verdict
+from benchmarks.ros2.wire_rig import on_the_air
 
 CHILD = """
 import os, time
@@ -148,3 +149,13 @@ def test_a_child_reports_its_lateness_and_ends_with_its_parent() -> None:
         time.sleep(0.02)
     os.kill(int(number), signal.SIGKILL)
     pytest.fail("the child outlives its parent")
+
+
+def test_two_benchmarks_side_by_side_have_two_ros_domains(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "0")
+    with on_the_air(3):
+        first = os.environ["ROS_DOMAIN_ID"]
+        with on_the_air(3):
+            assert os.environ["ROS_DOMAIN_ID"] != first
+    with on_the_air(3):
+        assert os.environ["ROS_DOMAIN_ID"] == first

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from multiprocessing import active_children
 from pathlib import Path
 from typing import Any
 
@@ -27,9 +28,9 @@ from handcart.evaluation.conformance.faults.faulty_backend import FaultyBackend
 from handcart.evaluation.conformance.faults.forked import Died, Hung, forked
 from handcart.evaluation.conformance.faults.rehearsal import DRIVE_MAP, TASKS_FOLDER, Rehearsal, Solo
 from handcart.evaluation.conformance.faults.underway import AttemptEnding
-from handcart.evaluation.conformance.kit import KitSetting, jobs_of, run_kit
+from handcart.evaluation.conformance.kit import KitSetting, jobs_of, report_of, run_kit
 from handcart.evaluation.conformance.planted.mutants import mutants, try_mutant
-from handcart.evaluation.conformance.report import KitReport
+from handcart.evaluation.conformance.report import KitReport, Result
 from handcart.evaluation.conformance.rig.bench import KitBench
 from handcart.evaluation.conformance.rig.reach import Reach
 from handcart.evaluation.conformance.task_runs import Ran, compared
@@ -359,3 +360,19 @@ def test_a_fault_in_the_world_happens_for_its_periods() -> None:
             backend.step()
         assert scene.base.distance(before) == pytest.approx(0.2, abs=0.01)
         assert backend.bitten == 1
+
+
+@pytest.mark.slow
+def test_a_kit_that_is_cut_off_keeps_the_results_until_then() -> None:
+    setting, results = KitSetting("kinematic", "cart", True, ("checks",)), dict[int, Result]()
+
+    def cut_off(done: int, count: int) -> None:
+        if done:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_kit(setting, 1, cut_off, results)
+    assert active_children() == []
+    report = report_of(setting, results)
+    assert 1 <= len(report.checks) == len(results) < len(jobs_of(setting))
+    assert report.ok
