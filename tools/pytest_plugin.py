@@ -15,6 +15,17 @@ if TYPE_CHECKING:
     from handcart.primitives.outcomes.outcome import Outcome
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_load_initial_conftests(early_config: pytest.Config) -> None:
+    """Exclude handcart from the rewriting of asserts, which pytest does for the package of every plugin.
+
+    It would parse and compile more than a thousand modules that have no asserts. This plugin itself is
+    imported earlier and is rewritten.
+    """
+    marked: set[str] = getattr(early_config.pluginmanager.rewrite_hook, "_must_rewrite", set())
+    marked.discard("handcart")
+
+
 @pytest.fixture
 def build_rig() -> Iterator[Callable[..., Rig]]:
     """Provide a function as a fixture that builds rigs: test set-ups of a robot in a world, without a task.
