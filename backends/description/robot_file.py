@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import math
-import shutil
-import tempfile
-import weakref
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -13,11 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import Field, PrivateAttr
 
-from handcart.backends.urdf.packages import PACKAGE_PREFIX
 from handcart.backends.urdf.robot_parts import KeyPath, PartSpec, UrdfPlace
 from handcart.backends.urdf.robot_urdf import RobotUrdf, robot_urdf
 from handcart.files.errors import InputError
-from handcart.files.inside import resolve_inside
 from handcart.files.models.model import FileModel
 from handcart.robotics.kinematics.urdf_contents import joints_of, link_names
 from handcart.robotics.kinematics.urdf_frames import base_T_frame
@@ -196,7 +191,6 @@ class RobotFile(SensorTable, OutlinedFile):
     _folder: Path = PrivateAttr(default=Path())
     _warnings: tuple[str, ...] = PrivateAttr(default=())
     _whole: RobotUrdf | None = PrivateAttr(default=None)
-    _path: Path | None = PrivateAttr(default=None)
 
     @property
     def folder(self) -> Path:
@@ -212,18 +206,6 @@ class RobotFile(SensorTable, OutlinedFile):
         """Store the folder of the robot's file and the warnings from reading it; return the same object."""
         self._folder, self._warnings = folder, warnings
         return self
-
-    def urdf_path(self) -> Path:
-        """Return the path of a file with the URDF of the complete robot.
-
-        The file is the one that the robot's file names if it contains the complete robot, otherwise a
-        temporary file.
-        """
-        if self._path is None:
-            text = self.urdf_text().encode()
-            own = None if self.urdf.startswith(PACKAGE_PREFIX) else resolve_inside(self._folder, self.urdf)
-            self._path = own if own is not None and own.read_bytes() == text else self._written()
-        return self._path
 
     @property
     def whole(self) -> RobotUrdf:
@@ -378,19 +360,10 @@ class RobotFile(SensorTable, OutlinedFile):
 
         return finger_shape(self.described_arm)
 
-    def _written(self) -> Path:
-        folder = Path(tempfile.mkdtemp(prefix="handcart-"))
-        weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
-        path = folder / "robot.urdf"
-        path.write_text(self.urdf_text(), encoding="utf-8")
-        return path
-
     def without_errors(self) -> RobotFile:
         """Return the robot with an error-free simulation, as with `errors: {none: true}` in its file."""
         ideal_sensors = {name: spec.without_errors() for name, spec in self.sensors.items()}
-        ideal = self.model_copy(update={"errors": Errors.nowhere()}).with_sensors(ideal_sensors)
-        ideal._path = None  # a temporary file would go with this object
-        return ideal
+        return self.model_copy(update={"errors": Errors.nowhere()}).with_sensors(ideal_sensors)
 
     def posture(self, name: str) -> tuple[float, ...]:
         """Return a posture by its name, in [rad] or [m] for each joint; raise `UnknownPosture` if unknown."""

@@ -39,44 +39,21 @@ def judge_goal(definition: Definition, things: Mapping[str, TrueThing]) -> Verdi
 
     conditions = definition.conditions
     compiled = get_goal_conditions(
-        conditions, _backend(), _scope(definition, things), generate_ground_options=False
+        conditions, true_pose_backend(), scope_of(definition, things), generate_ground_options=False
     )
     holds, found = evaluate_goal_conditions(compiled)
     words = get_natural_goal_conditions(conditions)
     return Verdict(bool(holds), tuple(" ".join(words[item].split()) for item in found["unsatisfied"]))
 
 
-def judge_start(definition: Definition, things: Mapping[str, TrueThing]) -> Verdict:
-    """Return whether the initial conditions of an activity hold, and which of them do not.
-
-    Args:
-        definition: the activity.
-        things: true state of each thing, by its term in the definition.
-    """
-    from bddl.condition_evaluation import compile_state, evaluate_state
-
-    compiled = compile_state(
-        [_nested(item) for item in definition.initial],
-        _backend(),
-        scope=_scope(definition, things),
-        object_map=definition.conditions.parsed_objects,
-        generate_ground_options=False,
-    )
-    holds, found = evaluate_state(compiled)
-    return Verdict(bool(holds), tuple(" ".join(definition.initial[item]) for item in found["unsatisfied"]))
-
-
-def _nested(literal: tuple[str, ...]) -> list[Any]:
-    return ["not", list(literal[1:])] if literal[0] == "not" else list(literal)
-
-
-def _scope(definition: Definition, things: Mapping[str, TrueThing]) -> dict[str, Any]:
+def scope_of(definition: Definition, things: Mapping[str, TrueThing]) -> dict[str, Any]:
+    """Return the true state of each thing of an activity, by its term; None for those that are missing."""
     from bddl.activity import get_object_scope
 
     return {term: things.get(term) for term in get_object_scope(definition.conditions)}
 
 
-def _backend() -> Any:
+def true_pose_backend() -> Any:
     """Return a backend of the package whose predicates compare true poses."""
     from bddl.backend_abc import BDDLBackend
 

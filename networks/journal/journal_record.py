@@ -60,13 +60,6 @@ def seal(body: bytes, wall: bytes) -> tuple[bytes, str]:
     return b'%b,"crc":"%08x"}}\n' % (head, zlib.crc32(head)), checksum
 
 
-def without_wall(record: dict[str, Any]) -> dict[str, Any]:
-    """Return a record of a journal without its times of the wall clock, so that it is equal in two runs with
-    the same seed.
-    """
-    return {key: value for key, value in record.items() if key != "wall"}
-
-
 def read_journal(path: Path) -> JournalContents:
     """Read all records of a journal, and check their checksums.
 

@@ -30,17 +30,6 @@ class FollowingJoint(ValueError):
         super().__init__(f"{joint!r} follows {leader!r} (mimic); allowed: joints that move by themselves")
 
 
-def kinematic_urdf(urdf_text: str) -> str:
-    """Return a URDF with only the elements that kinematics needs, so that no library fails on others.
-
-    Kept are links with masses and collision bodies, and joints; a floating joint becomes fixed.
-
-    Raises:
-        ValueError: the text is not a URDF.
-    """
-    return _text(_kinematic(known_urdf(urdf_text)))
-
-
 def urdf_of_arm(urdf_text: str, moving: Collection[str], standing: Mapping[str, float]) -> str:
     """Return the URDF with only the joints `moving`, and the joints that follow one of them, movable.
 

@@ -15,7 +15,7 @@ from handcart.evaluation.books.library_files import Libraries
 from handcart.evaluation.campaigns.campaign_setting import CampaignSetting
 from handcart.evaluation.campaigns.data.trial import Trial
 from handcart.evaluation.campaigns.trial_run import run_trial
-from handcart.networks.journal.journal_record import read_journal, without_wall
+from tests.journals import timeless_records
 
 ROOT = Path(__file__).resolve().parents[2]
 TASK = ROOT / "tasks" / "return_book" / "task.yaml"
@@ -94,7 +94,7 @@ def test_n11_same_seed_same_journal_whatever_the_hash_seed(tmp_path: Path) -> No
         assert {"wall_time_s", "seed", "backend", "run_dir", "metrics"} <= report.keys()
         folder = Path(report["run_dir"])
         assert (folder / "overview.svg").stat().st_size > 10_000
-        journals.append([without_wall(record) for record in read_journal(folder / "journal.jsonl").records])
+        journals.append(timeless_records(folder / "journal.jsonl"))
     assert journals[0] == journals[1]
 
 

@@ -57,13 +57,6 @@ class BenchBus(can.BusABC):
         else:
             self._inner.send(msg, timeout)
 
-    def plug_in(self) -> None:
-        """Simulate that the cable is connected again: send the frames that were held back meanwhile."""
-        self.holds = False
-        for frame in self.held:
-            self._inner.send(frame)
-        self.held.clear()
-
     def flush_tx_buffer(self) -> None:
         """Discard the frames that the interface holds back; python-can calls this method
         `flush_tx_buffer`.

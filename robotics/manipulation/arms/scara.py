@@ -125,22 +125,6 @@ class Scara(NamedTuple):
         plane = Pose2(x, y, yaw).apply(self.tip(q)[None]).reshape(2)
         return np.array([plane[0], plane[1], z - float(q[2])])
 
-    def joints_for(self, point: FloatArray) -> FloatArray | None:
-        """Return the joints that hold the tip at a point; None if it can't be reached.
-
-        Args:
-            point: (3,) in the base frame, in [m].
-
-        Returns:
-            (3,) two angles in [rad] and the slide in [m].
-        """
-        x, y, z, yaw = self.mount
-        angles = self.inverse(Pose2(x, y, yaw).inverse().apply(np.asarray(point)[None, :2]).reshape(2))
-        lowered = z - float(point[2])
-        if angles is None or not self.slide[0] <= lowered <= self.slide[1]:
-            return None
-        return np.array([*angles, lowered])
-
     def room_beside(self, point: FloatArray, turn: float) -> float:
         """Return the largest distance of the base from its planned pose at which the tip still reaches a
         point, in [m].

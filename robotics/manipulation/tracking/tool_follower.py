@@ -74,17 +74,6 @@ class ToolFollower:
             before = self._eased(angles[index]) if self._spare else angles[index]
         return angles
 
-    def tool_errors(self, path: ToolPath, world_T_base: Transform, angles: FloatArray) -> FloatArray:
-        """Return the distances (p,) of the tool from the points of a path, in [m].
-
-        Args:
-            path: path of the tool.
-            world_T_base: (4, 4) pose of the base.
-            angles: (p, n) joint angles at the points, in [rad].
-        """
-        tips = np.array([(world_T_base @ self.arm.forward(q))[:3, 3] for q in angles])
-        return np.asarray(np.linalg.norm(tips - path.points, axis=1))
-
     def _step(
         self, base_T_tool: Transform, before: FloatArray, index: int, world_T_base: Transform
     ) -> FloatArray:

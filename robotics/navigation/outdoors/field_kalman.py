@@ -157,12 +157,6 @@ class FieldKalman:
         x, y, heading = self._mean[:3].tolist()
         return Pose2(x, y, wrap(heading))
 
-    @property
-    def bias_sigma(self) -> float:
-        """Standard deviation of the estimated bias of the vertical gyro, in [rad/s]."""
-        whole = self._spread[np.ix_([states.BIAS, states.WARM_UP], [states.BIAS, states.WARM_UP])]
-        return math.sqrt(float(whole.sum()))
-
     def advance(self, advance: Advance) -> None:
         """Predict the states after one step, by the motion that wheels and gyros have measured."""
         self._note(advance)

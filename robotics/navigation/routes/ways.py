@@ -160,16 +160,6 @@ class Ways:
         found = self._to(here, stands, front)
         return found if found.route is not None or not found.fits else before._to(here, stands, front)
 
-    def route_to(self, goal: Pose2 | tuple[float, float]) -> Route | None:
-        """Return the route to a goal; None if no route exists.
-
-        If no route exists, the result does not say why; the method `to` does so, but is slower.
-
-        Args:
-            goal: position on the map, in [m]; a heading is ignored.
-        """
-        return finish(self.routing_to(goal))
-
     def routing_to(self, goal: Pose2 | tuple[float, float]) -> Generator[None, None, Route | None]:
         """Return the route to a goal, None if no route exists; a generator that yields after each computing
         step.

@@ -67,8 +67,6 @@ class StartFit(NamedTuple):
 
     It explains `MIN_SHARE_GAIN` more, and `SURE_FIT` of all or `MUCH_BETTER` more.
     """
-    other_share: float = 0.0
-    """Share of the beams, 0 to 1, that the map explains from `other`."""
     is_sure: bool = False
     """True if `other` is the only such place, and the map explains `SURE_FIT` of all beams from there.
 
@@ -141,7 +139,7 @@ def check_start(field: LikelihoodField, beams: ScanBeams, pose: Pose2, noise: fl
         return StartFit(share)
     alone = len(others) == 1 or others[1][0] < best - MIN_SHARE_GAIN
     is_sure = best >= SURE_FIT and alone and where.distance(pose) < PLAUSIBLE_M
-    return StartFit(share, where, best, is_sure)
+    return StartFit(share, where, is_sure)
 
 
 def map_ranges(field: LikelihoodField, sensor: Pose2, angles: FloatArray, reach: float) -> FloatArray:

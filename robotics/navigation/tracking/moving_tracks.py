@@ -66,7 +66,6 @@ class _Body:
     radius: float
     anchor: FloatArray
     """First position (2,), or last position at rest, on the map, in [m]."""
-    born: float
     seen: float
     evidence: int = 0
     entered: int = 0
@@ -202,7 +201,7 @@ class MovingTracks:
         covariance[:2, :2], covariance[2:, 2:] = noise, FIRST_SPEED_SIGMA_M_S**2 * np.eye(2)
         centre = clusters.centres[index]
         mean = np.append(centre, (0.0, 0.0))
-        body = _Body(self._number, mean, covariance, float(clusters.radii[index]), centre.copy(), now, now)
+        body = _Body(self._number, mean, covariance, float(clusters.radii[index]), centre.copy(), now)
         self._bodies.append(body)
         return body
 

@@ -40,8 +40,6 @@ class PointCluster(NamedTuple):
     """Distance of neighbouring points of the upper side, in [m]."""
     eye: FloatArray
     """(3,) mean place of the cameras, in [m]."""
-    is_cut: bool
-    """True if some of it is at the edge of a picture."""
 
 
 def standing_clusters(views: Sequence[OverSurface], size: tuple[float, float]) -> list[PointCluster]:
@@ -99,7 +97,7 @@ def _cluster(points: FloatArray, border: BoolArray, views: Sequence[OverSurface]
     if len(cut):
         away = cKDTree(cut[:, :2]).query(outline)[0]
         outline = outline[away > BORDER_CELLS * cell]
-    return PointCluster(points, float(np.median(top[:, 2])), outline, cell, pixel, eye, bool(len(cut)))
+    return PointCluster(points, float(np.median(top[:, 2])), outline, cell, pixel, eye)
 
 
 def outline_of(points: FloatArray, cell: float) -> FloatArray | None:

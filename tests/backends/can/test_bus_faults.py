@@ -17,6 +17,7 @@ from handcart.backends.can.bus.errors import (
     SilentDrive,
 )
 from handcart.backends.description.robot_file import RobotFile
+from tests.backends.can.cable import plug_in
 
 from .conftest import Make
 from .faulty import BEFORE, assert_drives_stop_alone, assert_told, fault_of, move
@@ -98,7 +99,7 @@ def test_what_was_queued_moves_nothing_when_the_cable_is_back(
     for _ in range(60):
         backend.bench.tick(0.05)  # the drives miss our heartbeat meanwhile
     there = [drive.position for drive in drives.values()]
-    bus.plug_in()
+    plug_in(bus)
     for _ in range(20):
         backend.bench.serve()
         backend.bench.tick(0.05)

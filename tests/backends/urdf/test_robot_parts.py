@@ -85,21 +85,6 @@ def test_a_mesh_counts_as_its_hull(robot: Path) -> None:
     assert np.allclose(corners.max(axis=0), (0.1, 0.2, 0.52))
 
 
-def test_the_whole_is_written_for_engines_that_read_files(robot: Path) -> None:
-    spec = load_robot(str(robot))
-    path = spec.urdf_path()
-    assert path.read_text(encoding="utf-8") == spec.urdf_text()
-    assert path.parent != robot.parent
-    del spec
-    assert not path.exists()
-
-
-def test_a_urdf_without_parts_and_meshes_is_taken_as_it_is() -> None:
-    spec = load_robot("librarian")
-    assert spec.urdf_path().name == "librarian.urdf"
-    assert spec.urdf_path().read_text(encoding="utf-8") == spec.urdf_text()
-
-
 @pytest.mark.parametrize(
     ("old", "new", "wrong"),
     [
@@ -146,7 +131,7 @@ def test_a_mesh_without_volume_is_told(robot: Path) -> None:
 )
 def test_a_missing_frame_is_told(tmp_path: Path, link: str, key: str) -> None:
     """S8: before anything moves."""
-    source = Path(str(load_robot("librarian").urdf_path())).parent
+    source = load_robot("librarian").folder
     urdf = (source / "librarian.urdf").read_text(encoding="utf-8")
     renamed = urdf.replace(f'link name="{link}"', f'link name="other_{link}"')
     renamed = renamed.replace(f'link="{link}"', f'link="other_{link}"')
@@ -156,7 +141,7 @@ def test_a_missing_frame_is_told(tmp_path: Path, link: str, key: str) -> None:
 
 
 def test_fingers_must_tell_their_size(tmp_path: Path) -> None:
-    source = Path(str(load_robot("librarian").urdf_path())).parent
+    source = load_robot("librarian").folder
     urdf = (source / "librarian.urdf").read_text(encoding="utf-8")
     solid = '<origin xyz="0.095 0.00075 0"/><geometry><box size="0.11 0.0015 0.04"/></geometry>'
     box = f"<collision>{solid}</collision>"

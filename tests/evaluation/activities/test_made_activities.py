@@ -15,7 +15,6 @@ pytest.importorskip("bddl", reason="the package bddl isn't installed: pip instal
 from handcart.backends.description.robot_names import SHIPPED_FOLDER
 from handcart.backends.simulation.objects.object_props import ObjectProps
 from handcart.evaluation.activities.activity_survey import ActivitySurvey
-from handcart.evaluation.activities.bddl_judge import judge_start
 from handcart.evaluation.activities.making import MadeActivity, make
 from handcart.evaluation.activities.true_things import true_things
 from handcart.evaluation.judging.survey import SurveyedRun
@@ -26,6 +25,8 @@ from handcart.networks.task.task_file import load_task
 from handcart.primitives.activities.activity import Activity
 from handcart.robotics.geometry.pose2 import Pose2
 from tests.primitives.objects.fetching import scene_of
+
+from .judged_start import start_holds
 
 
 @pytest.fixture(scope="module")
@@ -65,8 +66,8 @@ def test_made_world_satisfies_the_initial_conditions(honey: tuple[MadeActivity, 
     file = rig.model.of(Activity).activity
     assert file is not None
     things = true_things(made.definition, file, scene_of(rig))
-    assert judge_start(made.definition, things).holds
-    assert not judge_start(made.definition, {**things, "countertop.n.01_1": things["cabinet.n.01_1"]}).holds
+    assert start_holds(made.definition, things)
+    assert not start_holds(made.definition, {**things, "countertop.n.01_1": things["cabinet.n.01_1"]})
 
 
 def test_untouched_activity_is_done_by_neither_verdict(honey: tuple[MadeActivity, Rig]) -> None:

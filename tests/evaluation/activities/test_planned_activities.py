@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("bddl", reason="the package bddl isn't installed: pip install 'handcart[bddl]'")
 
-from handcart.evaluation.activities.bddl_judge import judge_goal, judge_start
+from handcart.evaluation.activities.bddl_judge import judge_goal
 from handcart.evaluation.activities.definition import Definition, load_definition
 from handcart.evaluation.activities.ground_options import ground_options
 from handcart.evaluation.activities.listing import ListedActivity, summary_lines
@@ -20,6 +20,8 @@ from handcart.evaluation.activities.true_relations import TrueThing
 from handcart.files.errors import FileError
 from handcart.robotics.geometry.transform import transform
 from handcart.robotics.kinematics.shapes import Box
+
+from .judged_start import start_holds
 
 ACTIVITIES = (
     "bringing_in_kindling",  # next to a fireplace, on another floor
@@ -60,7 +62,7 @@ def true_state(definition: Definition, room: Room, slots: Mapping[str, ThingSlot
 def test_room_begins_and_ends_as_the_definition_says(name: str) -> None:
     definition, room, _ = plan_activity(name, 0, "librarian", False)
     begun = true_state(definition, room, room.at_first)
-    assert judge_start(definition, begun).holds
+    assert start_holds(definition, begun)
     assert not judge_goal(definition, begun).holds
     assert judge_goal(definition, true_state(definition, room, {**room.at_first, **room.at_end})).holds
 

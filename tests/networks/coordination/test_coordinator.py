@@ -18,10 +18,11 @@ from handcart.networks.coordination.supervision import Request
 from handcart.networks.events.events import Ended, Event, LeftOut, Planned, Started
 from handcart.networks.graph.network import Action, ActionNetwork, Binding, NetworkError, Situation
 from handcart.networks.journal.journal import Journal
-from handcart.networks.journal.journal_record import read_journal, without_wall
+from handcart.networks.journal.journal_record import read_journal
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.outcomes.discrepancy import Discrepancy
+from tests.journals import timeless_records
 from tests.networks.conftest import Stand
 
 
@@ -178,7 +179,7 @@ def test_same_run_same_journal(new_stand: Callable[[], Stand], tmp_path: Path) -
         path = tmp_path / f"{number}.jsonl"
         with Journal(path) as journal:
             stand.finish(coordinator(stand, network, journal=journal))
-        journals.append([without_wall(record) for record in read_journal(path).records])
+        journals.append(timeless_records(path))
     assert journals[0] == journals[1]
     kinds = [record["kind"] for record in journals[0]]
     assert kinds[:4] == ["PLAN", "START", "RESULT", "PLAN"]

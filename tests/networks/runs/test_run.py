@@ -18,7 +18,7 @@ from handcart.networks.events.events import Event, RunEnded
 from handcart.networks.events.run_end import RunEnd
 from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.journal.journal import Journal
-from handcart.networks.journal.journal_record import JournalError, read_journal, without_wall
+from handcart.networks.journal.journal_record import JournalError, read_journal
 from handcart.networks.operator.operation import Operation
 from handcart.networks.past_runs.action_log import ActionLog
 from handcart.networks.past_runs.past_run import read_run
@@ -27,6 +27,7 @@ from handcart.networks.runs.run import execute
 from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import Prepared, load_model
 from handcart.networks.task.task_file import load_task
+from tests.journals import timeless_records
 from tests.networks.conftest import Stand
 
 TASK = """\
@@ -167,7 +168,7 @@ def test_same_seed_same_journal(prepare: Callable[..., tuple[Stand, Prepared]], 
     for name in ("one", "two"):
         _, prepared = prepare()
         execute(prepared, tmp_path / name)
-        journals.append([without_wall(r) for r in read_journal(tmp_path / name / "journal.jsonl").records])
+        journals.append(timeless_records(tmp_path / name / "journal.jsonl"))
     assert journals[0] == journals[1]
 
 

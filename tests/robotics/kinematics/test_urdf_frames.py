@@ -10,7 +10,7 @@ from handcart.backends.loading.robot_loading import load_robot
 from handcart.robotics.kinematics.arm_model import ArmModel
 from handcart.robotics.kinematics.urdf_contents import bodies_of
 from handcart.robotics.kinematics.urdf_frames import base_T_frame, link_poses
-from handcart.robotics.kinematics.urdf_tree import kinematic_urdf
+from handcart.robotics.kinematics.urdf_tree import urdf_of_arm
 from tests.makers import every_robot
 
 UPSIDE_DOWN = """<robot name="r"><link name="tip"/><link name="base"/><link name="root"/>
@@ -25,7 +25,7 @@ UPSIDE_DOWN = """<robot name="r"><link name="tip"/><link name="base"/><link name
 @pytest.mark.parametrize("text", [UPSIDE_DOWN, *every_robot()])
 def test_links_stand_where_pinocchio_has_them(text: str) -> None:
     urdf = text if text.startswith("<") else load_robot(text).urdf_text()
-    model = pin.buildModelFromXML(kinematic_urdf(urdf))
+    model = pin.buildModelFromXML(urdf_of_arm(urdf, (), {}))
     data = model.createData()
     pin.framesForwardKinematics(model, data, pin.neutral(model))
     theirs = {

@@ -8,6 +8,7 @@ import can
 import pytest
 
 from handcart.backends.can.bench.bench_bus import BenchBus
+from tests.backends.can.cable import plug_in
 
 FRAMES = [can.Message(arbitration_id=number, is_extended_id=False) for number in (0x201, 0x202)]
 
@@ -32,9 +33,9 @@ def test_held_frames_are_sent_once_when_the_cable_is_back(ends: tuple[BenchBus, 
     for frame in FRAMES:
         bus.send(frame)
     assert received(other) == []
-    bus.plug_in()
+    plug_in(bus)
     assert received(other) == [0x201, 0x202]
-    bus.plug_in()
+    plug_in(bus)
     assert received(other) == []
 
 
@@ -43,7 +44,7 @@ def test_flushed_frames_are_never_sent(ends: tuple[BenchBus, can.BusABC]) -> Non
     bus.holds = True
     bus.send(FRAMES[0])
     bus.flush_tx_buffer()
-    bus.plug_in()
+    plug_in(bus)
     assert received(other) == []
 
 

@@ -90,7 +90,7 @@ def test_what_isnt_as_the_file_says_is_told_with_its_line(
 
 def spoiled(folder: Path) -> RobotFile:
     """The librarian, its base's inertia about z ten times as large."""
-    shipped = load_robot("librarian").urdf_path().parent
+    shipped = load_robot("librarian").folder
     shutil.copytree(shipped, folder / "robot")
     urdf = folder / "robot" / "librarian.urdf"
     text = urdf.read_text(encoding="utf-8")

@@ -42,7 +42,7 @@ PARCEL = ObjectKind(size_mm=(60, 90, 80))
 def seen_at(x: float, y: float, *names: str, is_upright: bool = True) -> Standing:
     """Return something that may be one of these kinds."""
     points = np.array([[x, y, 0.08]])
-    cluster = PointCluster(points, 0.08, points[:, :2], 0.002, 0.0015, np.array([0.0, 0.0, 0.5]), False)
+    cluster = PointCluster(points, 0.08, points[:, :2], 0.002, 0.0015, np.array([0.0, 0.0, 0.5]))
     pose = transform((x, y, 0.0))
     return Standing(
         cluster, tuple(SolidCandidate(n, pose, 1e-6 * np.eye(3), is_upright, 1e-3) for n in names)

@@ -25,6 +25,15 @@ def printed(q: np.ndarray) -> np.ndarray:
     )
 
 
+def joints_for(point: np.ndarray) -> np.ndarray | None:
+    """Angles and slide (3,) that hold the tip at a point of the base frame; None if it can't be reached."""
+    x, y, z, yaw = ARM.mount
+    angles = ARM.inverse(Pose2(x, y, yaw).inverse().apply(point[None, :2]).reshape(2))
+    lowered = z - float(point[2])
+    inside = ARM.slide[0] <= lowered <= ARM.slide[1]
+    return None if angles is None or not inside else np.array([*angles, lowered])
+
+
 def differences(q: np.ndarray) -> np.ndarray:
     step = 1e-5 * np.eye(2)
     columns = [
@@ -113,7 +122,7 @@ def test_tilt_is_in_the_kinematics() -> None:
         tilt = tuple(np.radians(rng.normal(0.0, 2.5, 2)).tolist())
         aside = rng.uniform((-0.2, -0.9), (0.2, -0.5))
         target = np.array([*pose.apply(aside[None])[0], 0.05])
-        q = ARM.joints_for(world_to_base(pose, tilt, target))
+        q = joints_for(world_to_base(pose, tilt, target))
         if q is None:
             continue
         placed += 1
@@ -124,7 +133,7 @@ def test_tilt_is_in_the_kinematics() -> None:
 def test_a_tilt_that_is_not_known_is_what_is_missed() -> None:
     pose, tilt = Pose2(0.0, 0.0, 0.0), (math.radians(2.5), 0.0)
     target = np.array([0.0, -0.75, 0.0])
-    blind = ARM.joints_for(world_to_base(pose, (0.0, 0.0), target))
+    blind = joints_for(world_to_base(pose, (0.0, 0.0), target))
     assert blind is not None
     low, high = (
         base_to_world(pose, tilt, ARM.base_tip(np.array([*blind[:2], slide]))) for slide in (0.6, 0.2)
@@ -133,5 +142,5 @@ def test_a_tilt_that_is_not_known_is_what_is_missed() -> None:
 
 
 def test_a_slide_too_short_is_out_of_reach() -> None:
-    assert ARM.joints_for(np.array([0.0, -0.8, -0.1])) is None
-    assert ARM.joints_for(np.array([0.0, -0.8, 0.7])) is None
+    assert joints_for(np.array([0.0, -0.8, -0.1])) is None
+    assert joints_for(np.array([0.0, -0.8, 0.7])) is None

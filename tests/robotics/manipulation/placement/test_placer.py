@@ -15,6 +15,7 @@ from handcart.robotics.manipulation.placement.placements import Placements, Work
 from handcart.robotics.manipulation.placement.placer import Placer
 
 from ..seams import arched, five_joint_urdf
+from ..tool_errors import tool_errors
 
 WORK = Work(speed=0.2, force=40.0, free=FreeTurn.VERTICAL, azimuth_tolerance=np.radians(60.0))
 
@@ -139,5 +140,5 @@ def test_arm_without_closed_form_works_from_beside_its_place(arm: ArmModel) -> N
         for beside in ((0.025, 0.0, 0.0), (0.0, -0.025, 0.0)):
             base = placed.bases[segment.placement] + np.array(beside)
             angles = placer.joints(base, part)
-            tool_errors = placer.follower.tool_errors(part, Pose2(*base.tolist()).lift(), angles)
-            assert tool_errors.max() < 1e-6
+            errors = tool_errors(placer.follower.arm, part, Pose2(*base.tolist()).lift(), angles)
+            assert errors.max() < 1e-6

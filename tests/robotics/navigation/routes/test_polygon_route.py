@@ -10,9 +10,11 @@ from handcart.robotics.geometry.footprint import polygon
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.navigation.routes.replanning import Replanner
+from handcart.robotics.navigation.routes.route import Route
 from handcart.robotics.navigation.routes.straight_pass import straight_passes
 from handcart.robotics.navigation.routes.swept_route import MAX_ROOM_M, swept_room
 from handcart.robotics.navigation.routes.ways import Ways
+from handcart.robotics.numerics.stepwise import finish
 
 SHAPE = polygon(np.array([[0.25, 0.215], [-0.25, 0.215], [-0.25, -0.215], [0.25, -0.215]]))
 START, GOAL = Pose2(1.0, 2.0, 0.0), Pose2(5.0, 2.0, 0.0)
@@ -32,15 +34,19 @@ def rooms(door: float, middle: float = 1.0, cell: float = 0.05) -> GridMap:
     return from_boxes(walls, cell, (-0.2, -0.2), (6.4, 4.4))
 
 
+def route_to_goal(ways: Ways) -> Route | None:
+    return finish(ways.routing_to(GOAL))
+
+
 @pytest.mark.parametrize("door", [0.55, 0.7])
 def test_route_leads_straight_through_a_door_of_its_width(door: float) -> None:
     grid = rooms(door)
-    route = Ways(grid, SHAPE, START).route_to(GOAL)
+    route = route_to_goal(Ways(grid, SHAPE, START))
     assert route is not None
     inner = np.hypot(*(route.points - START[:2]).T) > 0.4
     inner &= np.hypot(*(route.points - GOAL[:2]).T) > 0.4
     assert swept_room(grid, SHAPE, route.points)[inner].min() > 0.0
-    assert Ways(grid, SHAPE.radius, START).route_to(GOAL) is None
+    assert route_to_goal(Ways(grid, SHAPE.radius, START)) is None
 
 
 def test_door_narrower_than_the_rectangle_has_no_route() -> None:
@@ -57,7 +63,7 @@ def test_corner_that_only_a_disc_takes_is_avoided() -> None:
     occupied = rooms(0.55).occupied | from_boxes([baffle], 0.05, (-0.2, -0.2), (6.4, 4.4)).occupied
     grid = rooms(0.55)._replace(occupied=occupied)
     wide = grid._replace(occupied=grid.occupied & ~_door_at(grid, 3.2))
-    disc, box = Ways(wide, long.inscribed, START).route_to(GOAL), Ways(wide, long, START).route_to(GOAL)
+    disc, box = (route_to_goal(Ways(wide, shape, START)) for shape in (long.inscribed, long))
     assert disc is not None
     assert box is not None
     inner = (np.hypot(*(box.points - START[:2]).T) > 0.4) & (np.hypot(*(box.points - GOAL[:2]).T) > 0.4)
