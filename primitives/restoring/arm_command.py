@@ -45,9 +45,10 @@ def renew_passed(robot: Robot, left: list[Moment], places: Sequence[float] | Flo
     arm = robot.backend.get(Arm)  # type: ignore[type-abstract]
     moment: Moment | None = None
     while left and places[len(left) - 1] <= way and not moves_fingers(robot, left[-1]):
-        off = 0.0 if arm is None else np.abs(left[-1].joints - arm.command())
-        if moment is not None and np.any(off > (1.0 + PERIOD_ROUNDING) * robot.joint_speeds * robot.period):
-            break
+        if moment is not None and arm is not None:
+            off = np.abs(left[-1].joints - arm.command())
+            if np.any(off > (1.0 + PERIOD_ROUNDING) * robot.joint_speeds * robot.period):
+                break
         moment = left.pop()
     if moment is not None:
         renew_arm(robot, moment)
