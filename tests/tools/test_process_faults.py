@@ -216,3 +216,23 @@ def test_nobody_listens_and_it_stops_all_the_same(tour: Path, tmp_path: Path) ->
     last = json.loads(journal.read_bytes().splitlines()[-1])
     assert last["kind"] == "END"
     assert last["outcome"] in ("Cancelled", "Error")
+
+
+@pytest.mark.parametrize("module", ["inspect", "handcart.files.errors", "typer", "handcart.tools.commands"])
+def test_ctrl_c_during_the_imports_prints_no_traceback(module: str) -> None:
+    """The first second of a command is spent in imports; a person who mistyped it presses Ctrl-C there."""
+    process = python(
+        "import os, signal, sys",
+        "class CtrlC:",
+        "    def find_spec(name, path=None, target=None):",
+        f"        if name == {module!r}:",
+        "            print('pressed', flush=True)",
+        "            os.kill(os.getpid(), signal.SIGINT)",
+        "sys.meta_path.insert(0, CtrlC)",
+        "from handcart.tools.main import main",
+        "main(['list', 'robots'])",
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    out, said = process.communicate(timeout=LATEST_S)
+    assert (process.returncode, out, said) == (130, b"pressed\n", b"")
