@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,8 @@ from handcart.files.models.loading import Loaded, load_document
 from handcart.files.printable import printable
 from handcart.files.yaml.yaml_document import read_document
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.navigation.maps.grid_map import GridMap
+from handcart.robotics.navigation.maps.drawn_boxes import without_drawn_boxes
+from handcart.robotics.navigation.maps.grid_map import FloorBox, GridMap
 from handcart.robotics.navigation.maps.map_walls import map_walls
 
 from .world_model import world_model
@@ -58,8 +60,21 @@ def read_world(path: Path) -> tuple[Loaded[WorldFile], WorldFile]:
 
 
 def on_the_map(world: WorldFile, grid: GridMap) -> WorldFile:
-    """Return a copy of a world with the occupied cells of a map as additional furniture."""
-    return world.model_copy(update={"furniture": (*world.furniture, *_standing(grid)), "map": None})
+    """Return a copy of a world with the occupied cells of a map as additional furniture.
+
+    Cells that show a table or a piece of furniture of the world are left out: its height is known.
+    """
+    walls = _standing(without_drawn_boxes(grid, _boxes_on_floor(world)))
+    return world.model_copy(update={"furniture": (*world.furniture, *walls), "map": None})
+
+
+def _boxes_on_floor(world: WorldFile) -> list[FloorBox]:
+    """Return what stands on the floor of a world, as a lidar near the floor sees it."""
+    pieces = [(piece, piece.size_m[:2]) for piece in world.furniture if piece.above_m == 0.0]
+    feet = [(table, table.foot_m) for table in world.tables]
+    return [
+        FloorBox(item.x_m, item.y_m, math.radians(item.heading_deg), *size) for item, size in (*pieces, *feet)
+    ]
 
 
 def _map_path(loaded: Loaded[WorldFile], name: str) -> Path:

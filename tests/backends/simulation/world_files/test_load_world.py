@@ -39,6 +39,26 @@ def test_what_is_occupied_on_the_map_stands_among_the_furniture(read: Callable[.
 
 
 @pytest.mark.parametrize(
+    "thing",
+    [
+        "furniture: [{name: counter, x_m: -0.65, y_m: 2.55, size_m: [0.3, 0.1, 0.7]}]",
+        "tables: [{name: desk, x_m: -0.65, y_m: 2.55, size_m: [0.8, 0.8, 0.7], foot_m: [0.3, 0.1]}]",
+    ],
+)
+def test_what_the_map_shows_of_a_piece_is_no_wall_above_it(
+    read: Callable[..., WorldFile], thing: str
+) -> None:
+    """Otherwise the arm hits a wall of 2 m that is inside the counter and on no picture."""
+    walls = [piece for piece in read(f"map: map.yaml\n{thing}\n").furniture if piece.name != "counter"]
+    assert walls == []
+
+
+def test_walls_below_a_hanging_piece_stay_walls(read: Callable[..., WorldFile]) -> None:
+    board = "{name: board, x_m: -0.65, y_m: 2.55, size_m: [0.3, 0.1, 0.1], above_m: 1.0}"
+    assert len(read(f"map: map.yaml\nfurniture: [{board}]\n").furniture) == 2
+
+
+@pytest.mark.parametrize(
     ("world", "chart", "message"),
     [
         ("map: nap.yaml\n", MAP, r"world\.yaml:3:6: missing file 'nap\.yaml'; allowed"),
