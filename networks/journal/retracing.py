@@ -151,7 +151,7 @@ def _follow(found: RunPosition, record: Record) -> None:
         _acknowledge(found, record)
     elif kind == "EPOCH":
         found.in_doubt, found.over = None, None
-    if found.at is not None and kind != "END":
+    if found.at is not None:
         found.seen.pop(route.situation, None)
         found.seen[route.situation] = found.at
 

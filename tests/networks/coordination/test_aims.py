@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import orjson
 import pytest
@@ -22,7 +23,7 @@ from handcart.networks.events.events import Event, Started
 from handcart.networks.events.run_end import RunEnd
 from handcart.networks.journal.journal import Journal
 from handcart.networks.journal.journal_record import read_journal
-from handcart.networks.journal.retracing import standing
+from handcart.networks.journal.retracing import NeedsOperator, standing
 from handcart.networks.past_runs.journaled_network import network_of
 from handcart.networks.runs.run_header import network_fields
 from handcart.networks.task.task_file import Task
@@ -76,18 +77,42 @@ def run(task: Task, stand: Stand, journal: Journal | None = None) -> tuple[list[
 
 
 def kept(task: Task, stand: Stand, path: Path) -> tuple[list[str], RunEnd]:
-    """Run a task with a journal; check that retracing each of its prefixes and the header works."""
+    """Run a task with a journal; check the header, and what is retraced from each of its prefixes."""
     with Journal(path) as journal:
         fields = {"schema": "x", "network": task.network.fingerprint()}
         journal.append("RUN", 0.0, fields)
         found = run(task, stand, journal)
     records = read_journal(path).records
     for count in range(1, len(records) + 1):
-        standing(task.network, records[:count])
+        here, past = standing(task.network, records[:count]), records[:count]
+        kinds = [record["kind"] for record in past]
+        assert (here.plans, here.started) == (kinds.count("PLAN"), kinds.count("START"))
+        assert here.done == kinds.count("RESULT")
+        begun = [record for record in past if record["kind"] in ("START", "RESULT")]
+        assert here.in_doubt == (begun[-1] if begun and begun[-1]["kind"] == "START" else None)
+        assert here.last_t == past[-1]["t"]
+        assert (here.over is not None) is (kinds[-1] == "END")
+        refuse_wrong_aims(task, past)
+    _, end = found
+    assert (here.route.situation, here.fails) == (end.situation, end.fails)
     again = network_of(orjson.loads(orjson.dumps(network_fields(task.network)))).network
     assert again.aims == task.network.aims
     assert again.fingerprint() != ""
     return found
+
+
+def refuse_wrong_aims(task: Task, records: Sequence[Mapping[str, Any]]) -> None:
+    """Check that a last record of another round, or of an interrupt that leads elsewhere, doesn't fit."""
+    *before, last = records
+    if last["kind"] != "AIM":
+        return
+    wrong = {
+        "round": [{"round": last.get("round", 0) + off} for off in (-1, 1)],
+        "interrupt": [{"goal": "x"}],
+    }
+    for change in wrong.get(last["what"], ()):
+        with pytest.raises(NeedsOperator, match="doesn't fit the task's network: "):
+            standing(task.network, [*before, {**last, **change}])
 
 
 def test_goals_are_reached_in_their_order(load: Load, stand: Stand, tmp_path: Path) -> None:
