@@ -146,6 +146,18 @@ def test_endless_joint_goes_back_the_short_way_round(by: str) -> None:
     assert [joints[0] for _, joints in car.arms] == pytest.approx(np.linspace(6.2, turn, 5)[1:])
 
 
+def test_arm_that_rejoins_a_moment_has_exactly_its_joints() -> None:
+    """The last step is no sum, whose rounding would make it differ from what was commanded then."""
+    car = Car()
+    robot: Any = car
+    car.joints = np.array([0.1, 0.7])
+    goal = np.array([0.3, 0.1])
+    assert np.any(car.joints + 1.0 * (goal - car.joints) != goal)
+    assert car.play(rejoin(robot, Moment(car.pose, goal, 0.0))) == 12
+    assert car.joints.tolist() == goal.tolist()
+    assert car.play(rejoin(robot, Moment(car.pose, goal, 0.0))) == 0
+
+
 def test_without_arm_and_fingers_a_moment_commands_nothing() -> None:
     car = Car(arm=False)
     robot: Any = car
