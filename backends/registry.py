@@ -151,13 +151,13 @@ def bench_class(name: str, drives: str) -> type[Backend]:
 
 
 def check_world(
-    world: Path, robot: RobotFile, initial_pose: Pose2 | None = None, grid: GridMap | None = None
+    world: Path, robot: RobotFile | None, initial_pose: Pose2 | None = None, grid: GridMap | None = None
 ) -> None:
     """Read a world's file and check it against the robot, without building a backend.
 
     Args:
         world: file of the world, or a map from which a world is made; a map is only read.
-        robot: robot file.
+        robot: robot file; None to check the world's file alone.
         initial_pose: map_T_base that the program gives to the robot at the start; None if it gives no pose.
         grid: map that the program gives to the robot; None if it gives no map.
 
@@ -171,6 +171,8 @@ def check_world(
         return
     loaded, whole = import_module("handcart.backends.simulation.world_files.load_world").read_world(world)
     find = import_module("handcart.backends.simulation.world_files.world_findings").world_findings
+    if robot is None:
+        return
     if wrong := list(find(loaded, whole, robot, initial_pose, grid)):
         raise FileError(wrong)
 

@@ -67,6 +67,15 @@ class TreeBuilder:
             raise FileError([Finding(self.file, 1, 1, "the file is empty; allowed: keys with values")])
         return self.root
 
+    def take_findings(self) -> tuple[Finding, ...]:
+        """Return the faults that were found, and forget them, so that `tree` returns the tree."""
+        try:
+            self.findings.raise_all()
+        except FileError as error:
+            self.findings = Findings()
+            return error.findings
+        return ()
+
     def problem(self, mark: Any, message: str) -> None:
         """Collect a finding at a mark of the parser, which counts lines and columns from 0.
 

@@ -34,6 +34,7 @@ Changes = Mapping[Path, Mapping[KeyPath, float]]
 """Replacement numbers by key path, by a file's absolute path."""
 _NONE: Changes = {}
 _CHANGES: ContextVar[Changes] = ContextVar("changes", default=_NONE)
+_PASSED: ContextVar[list[Finding] | None] = ContextVar("passed", default=None)
 
 
 @dataclass(frozen=True)
@@ -133,6 +134,21 @@ def changed_numbers(changes: Changes) -> Iterator[None]:
         _CHANGES.reset(token)
 
 
+@contextmanager
+def reading_past(passed: list[Finding]) -> Iterator[None]:
+    """Read past faults of YAML inside this context, to find the faults of the content behind them.
+
+    A duplicate key, an alias, a tag or an unclear scalar is appended to `passed`, and the file is read as if
+    it were not there: of duplicate keys the first counts. What is read serves to find faults, for nothing
+    else.
+    """
+    token = _PASSED.set(passed)
+    try:
+        yield
+    finally:
+        _PASSED.reset(token)
+
+
 def _with_changes(path: Path, root: Node) -> Node:
     """Return the tree of a file with its numbers replaced; raise KeyError if one is missing."""
     if not (changes := _CHANGES.get()):
@@ -160,7 +176,8 @@ def parse_document(
         FileError: the bytes are not valid YAML; the error has a finding for each fault.
     """
     text = decode_text(content, file, longest_line)
-    root = _fast_tree(text, file, max_nodes) or _tree(text, file, max_nodes)
+    is_fast = _PASSED.get() is None  # the fast trees are kept, and all of them are without a fault
+    root = (is_fast and _fast_tree(text, file, max_nodes)) or _tree(text, file, max_nodes)
     return Document(file, content, root)
 
 
@@ -190,6 +207,10 @@ def _tree(text: str, file: str, max_nodes: int) -> Node:
     # The parser also lets out what chr(), int() and assert say of absurd escapes and versions.
     except (YAMLError, ValueError, OverflowError, AssertionError) as error:
         builder.findings.take(syntax_error(file, error, builder.latest))
+        builder.findings.raise_all()
+    passed = _PASSED.get()
+    if passed is not None:
+        passed += builder.take_findings()
     return builder.tree()
 
 

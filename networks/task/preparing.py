@@ -29,6 +29,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.maps.keepout import with_keepout
 from handcart.robotics.numerics.compiling_before import compile_before
 
+from .hidden_faults import files_of, with_hidden
 from .named_files import SPEED_MASK_KEYS
 from .place_room import ComputedPlace, PlaceRoom, PlaceRooms, place_findings, place_rooms
 from .pose_forecast import pose_findings
@@ -212,7 +213,10 @@ def _read(
     resumed: bool = False,
     only_looked: bool = False,
 ) -> _Read:
-    task = load_task(task_path, settings, primitives)
+    try:
+        task = load_task(task_path, settings, primitives)
+    except FileError as error:
+        raise with_hidden(error, lambda: files_of(task_path, settings, primitives)) from None
     if situation is not None:
         task = replace(task, network=beginning_at(task.network, situation))
         if not resumed and not task.knowledge.is_start_known:
@@ -305,8 +309,7 @@ def check(
         read.findings.raise_all()
     assert read.spec is not None
     assert read.known is not None
-    kinds = backend_class(read.backend).kinds(read.spec)
-    if kinds is None and not read.rooms.errors:
+    if (kinds := backend_class(read.backend).kinds(read.spec)) is None and not read.rooms.errors:
         with _built(read, settings, seed) as prepared:
             return _checked(replace(read, task=prepared.task))
     if kinds is not None:

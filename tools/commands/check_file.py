@@ -215,6 +215,19 @@ def file_facts(file: Path, settings: dict[str, str], asked: CheckOptions = Check
         FileError: the file has faults; the error contains all of them.
         InputError: the arguments name something that does not exist.
     """
+    from handcart.files.errors import FileError
+    from handcart.networks.task.hidden_faults import with_hidden
+
+    file = _named_file(file)
+    try:
+        return _file_facts(file, settings, asked)
+    except FileError as error:
+        readings = [lambda: _file_facts(file, settings, CheckOptions(quick=True))]
+        raise with_hidden(error, lambda: iter(readings)) from None
+
+
+def _file_facts(file: Path, settings: dict[str, str], asked: CheckOptions) -> dict[str, Any]:
+    """Return the facts of a file by its kind."""
     from handcart.files.maps.map_file import is_map
     from handcart.files.maps.movingai_map import MOVINGAI_SUFFIX
     from handcart.files.models.loading import load
@@ -224,7 +237,6 @@ def file_facts(file: Path, settings: dict[str, str], asked: CheckOptions = Check
     from handcart.tools.checks.file_kinds import is_urdf, kinds, model_of
     from handcart.tools.checks.option_kinds import refuse_other_options
 
-    file = _named_file(file)
     given = asked.given(settings)
     if is_urdf(file):
         refuse_other_options(given, "a URDF", shown_path(file))
