@@ -50,14 +50,14 @@ class Client(RosLink):
             assert time.monotonic() < end, f"not within {seconds:g} s"
             self._executor.spin_once(timeout_sec=0.05)
 
-    def send(self, service: str, seconds: float = 15.0) -> Any:
+    def send(self, service: str, seconds: float = 60.0) -> Any:
         """Call a Trigger service, and return its answer to come."""
         trigger = import_module("std_srvs.srv").Trigger
         client = self._node.create_client(trigger, service)
         self.wait(client.service_is_ready, seconds)
         return client.call_async(trigger.Request())
 
-    def call(self, service: str, seconds: float = 15.0) -> Any:
+    def call(self, service: str, seconds: float = 60.0) -> Any:
         """Call a Trigger service, and return its answer."""
         answer = self.send(service, seconds)
         self.wait(answer.done, seconds)

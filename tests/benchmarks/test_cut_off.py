@@ -90,11 +90,14 @@ def test_ctrl_c_ends_a_benchmark_of_tasks_with_its_row() -> None:
         [*words, "--seeds", "50"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT
     ) as process:
         assert process.stdout is not None and process.stderr is not None
-        shown = ""
-        while "seed 1 ..." not in shown:
-            shown += process.stderr.read(1)
-        time.sleep(1.0)
-        process.send_signal(signal.SIGINT)
-        row, _ = process.communicate(timeout=60.0)
+        try:
+            shown = ""
+            while "seed 1 ..." not in shown and process.poll() is None:
+                shown += process.stderr.read(1)
+            time.sleep(1.0)
+            process.send_signal(signal.SIGINT)
+            row, _ = process.communicate(timeout=60.0)
+        finally:
+            process.kill()  # a failed test would wait for all runs
     assert process.returncode == CUT_OFF_STATUS
     assert "drive_map" in row and "of 50 runs" in row
