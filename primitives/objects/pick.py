@@ -158,7 +158,8 @@ class Pick(ActionPrimitive):
         yield from move_straight(robot, lifted, held)
         yield from self._weigh(robot, kind, empty)
         yield from self._check_gone(robot, model, base_T_object)
-        yield from lift_clear(robot, model, held)
+        old_place = kind.body("the place that it was at").seen_from(base_T_object)
+        yield from lift_clear(robot, model, held, (*self._beside, old_place))
         if self.stow:
             yield from stow(robot, model, kind, hand_T_object)
         self.found(

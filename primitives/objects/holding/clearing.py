@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from handcart.backends.robot.robot import Robot
@@ -18,25 +20,30 @@ RISE_STEP_M = 0.02
 MAX_RISE_M = 0.36  # over the height of what stands beside an object
 
 
-def lift_clear(robot: Robot, model: ModelView, held: Solid) -> Periods:
+def lift_clear(robot: Robot, model: ModelView, held: Solid, beside: Sequence[Solid] = ()) -> Periods:
     """Lift the held object straight up until it is clear of the assumed places of objects that were not seen.
 
     Objects that were next to the held object on its surface are not above it, so a straight lift is free.
-    Nothing moves if the object is clear already, or if the arm can't lift it that far.
+    Nothing moves if the object is clear already, or if the arm can't lift it that far. If it can't be lifted
+    clear of the bodies `beside`, it is lifted clear of the others.
 
     Args:
         robot: robot whose hand holds an object that was lifted off its surface.
         model: world model with surfaces and objects.
         held: the held object, posed in the hand frame.
+        beside: further bodies to be above in the end, in the base frame, such as the held object at its old
+            place: others like it may be beside it.
     """
-    every = collision_model(robot, held, surroundings(robot, model))
-    here = robot.arm.command()
-    if not every.in_collision(here):
-        return
+    around, here = surroundings(robot, model), robot.arm.command()
     sure = collision_model(robot, held, surroundings(robot, model, believed=False))
-    path = yield from robot.compute(path_up, every, sure, here)
-    if path is not None:
-        yield from follow(robot, path)
+    for bodies in ((*around, *beside), around):
+        every = collision_model(robot, held, bodies)
+        if not every.in_collision(here):
+            return
+        path = yield from robot.compute(path_up, every, sure, here)
+        if path is not None:
+            yield from follow(robot, path)
+            return
 
 
 def path_up(every: CollisionModel, sure: CollisionModel, here: FloatArray) -> FloatArray | None:
