@@ -31,18 +31,9 @@ def _jumps(count: int) -> IntArray:
     return np.array(jumps)
 
 
-def _stretches(path: FloatArray) -> FloatArray:
-    """Lengths (n - 1,) of the stretches of a path (n, 2)."""
-    ways = path[1:] - path[:-1]
-    return np.asarray(np.sqrt(ways[:, 0] * ways[:, 0] + ways[:, 1] * ways[:, 1]))
-
-
 def path_length(path: FloatArray) -> float:
     """Return the length of a path (n, 2) in any one frame, in the unit of its points."""
-    total = 0.0
-    for length in _stretches(path).tolist():
-        total += length
-    return total
+    return float(_length(_as_floats(path)))
 
 
 def sampled(path: FloatArray, spacing: float) -> FloatArray:
@@ -57,25 +48,54 @@ def sampled(path: FloatArray, spacing: float) -> FloatArray:
     Returns:
         (m, 2) in the same frame and unit.
     """
-    parts = np.ceil(_stretches(path) / spacing).astype(np.int64)
-    of = np.repeat(np.arange(len(parts)), parts)
-    number = np.arange(1, len(of) + 1) - np.repeat(np.cumsum(parts) - parts, parts)
-    points = path[of] + (number / parts[of])[:, None] * (path[of + 1] - path[of])
-    ends = number == parts[of]
-    points[ends] = path[of[ends] + 1]
-    return np.vstack([path[:1], points])
+    return _sampled(_as_floats(path), float(spacing))
 
 
+def _as_floats(path: FloatArray) -> FloatArray:
+    """Return the path as the one type of array that the compiled functions are compiled for."""
+    return np.ascontiguousarray(path, dtype=np.float64)
+
+
+@compiled
+def _length(path: FloatArray) -> float:
+    total = 0.0
+    for i in range(len(path) - 1):
+        total += _apart(path[i], path[i + 1])
+    return total
+
+
+@compiled
+def _sampled(path: FloatArray, spacing: float) -> FloatArray:
+    """Return the path (m, 2) with points inserted, as `sampled` does."""
+    parts = np.empty(len(path), dtype=np.int64)
+    count = 1
+    for i in range(len(path) - 1):
+        parts[i] = math.ceil(_apart(path[i], path[i + 1]) / spacing)
+        count += parts[i]
+    points = np.empty((count, 2))
+    points[0, 0], points[0, 1] = path[0, 0], path[0, 1]
+    at = 1
+    for i in range(len(path) - 1):
+        for number in range(1, parts[i] + 1):
+            share = number / parts[i]
+            for k in range(2):
+                between = path[i, k] + share * (path[i + 1, k] - path[i, k])
+                points[at, k] = path[i + 1, k] if number == parts[i] else between
+            at += 1
+    return points
+
+
+@compiled
 def _evenly(path: FloatArray, spacing: float) -> IntArray:
     """About every `spacing` one point of a path (n, 2), first and last included."""
-    chosen = [0]
-    along = 0.0
-    for i, length in enumerate(_stretches(path).tolist(), start=1):
-        along += length
+    chosen = np.zeros(len(path), dtype=np.int64)
+    count, along = 1, 0.0
+    for i in range(1, len(path)):
+        along += _apart(path[i - 1], path[i])
         if along >= spacing * (1.0 - 1e-9) or i == len(path) - 1:
-            chosen.append(i)
-            along = 0.0
-    return np.array(chosen)
+            chosen[count], along = i, 0.0
+            count += 1
+    return chosen[:count]
 
 
 def straightened(

@@ -10,7 +10,7 @@ import numpy as np
 
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.arrays import BoolArray, FloatArray
-from handcart.robotics.numerics.compiled import compiled_for
+from handcart.robotics.numerics.compiled import compiled, compiled_for
 
 from .moving_tracks import ACCELERATION_DENSITY, BodyTrack
 
@@ -117,14 +117,26 @@ def _least_gaps(
         moves = velocities[p, 0] != 0.0 or velocities[p, 1] != 0.0
         for i in range(len(times)):
             t = times[i] if moves else 0.0
-            both = P[0, 0] + P[1, 1] + 2.0 * t * (P[0, 2] + P[1, 3]) + t**2 * (P[2, 2] + P[3, 3])
-            spread = math.sqrt(0.5 * both + ACCELERATION_DENSITY * t**3 / 3.0)
-            size = radii[p] + min(spread, MAX_SPREAD_M)
+            size = grown_radius(P, t, radii[p])
             x, y = positions[p, 0] + t * velocities[p, 0], positions[p, 1] + t * velocities[p, 1]
             for k in range(len(paths)):
                 away = math.sqrt((paths[k, i, 0] - x) ** 2 + (paths[k, i, 1] - y) ** 2)
                 gaps[k, p] = min(gaps[k, p], away - size - radius)
     return gaps
+
+
+@compiled
+def grown_radius(P: FloatArray, t: float, radius: float) -> float:
+    """Return a radius in [m] plus one standard deviation of a predicted position, at most `MAX_SPREAD_M`.
+
+    Args:
+        P: (4, 4) covariance of x, y in [m] and the velocity along x and y in [m/s].
+        t: time of the prediction from now, in [s]; 0 for a person at rest.
+        radius: radius of the body, in [m].
+    """
+    both = P[0, 0] + P[1, 1] + 2.0 * t * (P[0, 2] + P[1, 3]) + t**2 * (P[2, 2] + P[3, 3])
+    spread = math.sqrt(0.5 * both + ACCELERATION_DENSITY * t**3 / 3.0)
+    return radius + min(spread, MAX_SPREAD_M)
 
 
 def with_people(grid: GridMap, people: People, here: FloatArray, radius: float, keep: float) -> GridMap:
@@ -142,24 +154,26 @@ def with_people(grid: GridMap, people: People, here: FloatArray, radius: float, 
     sizes = people.radii[:, None] + keep + np.minimum(people.spreads(times), MAX_SPREAD_M)
     discs = np.column_stack([there.reshape(-1, 2), sizes.ravel()])
     discs[np.repeat(~people.moving, len(times)) & (np.tile(times, len(people.radii)) > 0.0), 2] = 0.0
-    occupied = grid.occupied.copy()
-    for x, y, size in discs[discs[:, 2] > 0.0].tolist():
-        _draw(occupied, grid, x, y, size)
+    occupied, corner = grid.occupied.copy(), np.array([grid.origin_x, grid.origin_y], dtype=np.float64)
+    _draw(occupied, discs[discs[:, 2] > 0.0], corner, grid.resolution)
     clear = np.zeros_like(occupied)
-    _draw(clear, grid, float(here[0]), float(here[1]), radius + CLEAR_OF_ROBOT_M)
+    around = np.array([[here[0], here[1], radius + CLEAR_OF_ROBOT_M]], dtype=np.float64)
+    _draw(clear, around, corner, grid.resolution)
     occupied = np.where(clear, grid.occupied, occupied)
     return grid._replace(occupied=occupied, unknown=grid.unknown & ~occupied)
 
 
-def _draw(cells: BoolArray, grid: GridMap, x: float, y: float, size: float) -> None:
-    """Set the cells (h, w) whose centres lie in a disc; all in [m]."""
+@compiled_for("(b1[:,::1], f8[:,::1], f8[::1], f8)")
+def _draw(cells: BoolArray, discs: FloatArray, corner: FloatArray, resolution: float) -> None:
+    """Set the cells (h, w) whose centres lie in discs (k, 3), rows of x, y and radius; all in [m]."""
     height, width = cells.shape
-    column, row = (x - grid.origin_x) / grid.resolution - 0.5, (y - grid.origin_y) / grid.resolution - 0.5
-    reach = size / grid.resolution
-    left, right = max(0, int(np.ceil(column - reach))), min(width, int(np.floor(column + reach)) + 1)
-    low, high = max(0, int(np.ceil(row - reach))), min(height, int(np.floor(row + reach)) + 1)
-    if left >= right or low >= high:
-        return
-    rows = (np.arange(low, high) - row)[:, None] ** 2
-    columns = (np.arange(left, right) - column)[None] ** 2
-    cells[low:high, left:right] |= rows + columns <= reach**2
+    for i in range(len(discs)):
+        column = (discs[i, 0] - corner[0]) / resolution - 0.5
+        row = (discs[i, 1] - corner[1]) / resolution - 0.5
+        reach = discs[i, 2] / resolution
+        left, right = max(0, math.ceil(column - reach)), min(width, math.floor(column + reach) + 1)
+        low, high = max(0, math.ceil(row - reach)), min(height, math.floor(row + reach) + 1)
+        for r in range(low, high):
+            for c in range(left, right):
+                if (r - row) * (r - row) + (c - column) * (c - column) <= reach * reach:
+                    cells[r, c] = True

@@ -7,10 +7,11 @@ import math
 import numpy as np
 
 from handcart.robotics.geometry.pose2 import Pose2
-from handcart.robotics.numerics.arrays import FloatArray
+from handcart.robotics.numerics.arrays import FloatArray, IntArray
+from handcart.robotics.numerics.compiled import compiled_for
 
 from .moving_tracks import STOOD_S
-from .people import People, least_gaps
+from .people import People, grown_radius, least_gaps
 
 SPEED_SHARES = (1.0, 0.7, 0.45, 0.25, 0.1, 0.0)  # of a speed that are tried
 REACTION_S = 0.3  # added to the time to stop
@@ -50,23 +51,79 @@ def safe_share(
     speed, turn = command
     if speed == 0.0 or not len(people.radii):
         return 1.0
-    needed = np.where(people.moving, MOVING_GAP_M, STANDING_GAP_M)
-    sudden = np.where(people.stood_s < SETTLED_S, TURN_BACK_SPEED_M_S, STEP_OUT_SPEED_M_S)
-    for share in SPEED_SHARES[:-1]:
-        to_stop = share * abs(speed) / braking
-        lasts = period + to_stop + REACTION_S
-        times = np.append(np.arange(0.0, lasts, STEP_S), lasts)
-        along = _braked(share * speed, braking, period, times)
-        stands = np.tile(np.array(pose[:2]), (len(times), 1))
-        paths = np.stack([_on_arc(pose, turn / speed, along), stands])
-        gaps, standing = least_gaps(paths, times, people, radius)
-        leaves = (gaps >= standing - 1e-3) & ((gaps >= AWAY_GAP_M) | (people.stood_s >= STOOD_S))
-        near = least_gaps(paths[:1], np.zeros(len(times)), people, radius)[0]
-        creeps = leaves & (people.stood_s >= SETTLED_S) & (share * abs(speed) <= CREEPING_M_S)
-        in_time = near >= sudden * (to_stop + TURN_BACK_S)
-        if (((gaps >= needed) | leaves) & (in_time | creeps)).all():
-            return share
-    return 0.0
+    shares = np.array(SPEED_SHARES[:-1])
+    speeds = shares * abs(speed)
+    lasts = period + speeds / braking + REACTION_S
+    steps = [np.append(np.arange(0.0, end, STEP_S), end) for end in lasts.tolist()]
+    times, counts = np.concatenate(steps), np.array([len(step) for step in steps])
+    along = math.copysign(1.0, speed) * _braked(np.repeat(speeds, counts), braking, period, times)
+    points, firsts = _on_arc(pose, turn / speed, along), np.concatenate([[0], np.cumsum(counts)])
+    here, limits = np.array([pose.x, pose.y, radius]), np.empty((len(people.radii), 3))
+    limits[:, 0] = np.where(people.moving, MOVING_GAP_M, STANDING_GAP_M)
+    limits[:, 1] = np.where(people.stood_s < SETTLED_S, TURN_BACK_SPEED_M_S, STEP_OUT_SPEED_M_S)
+    limits[:, 2] = people.stood_s
+    first = _first_safe(speeds, braking, points, times, firsts, here, *people[:4], limits)
+    return SPEED_SHARES[first]
+
+
+@compiled_for(
+    "(f8[::1], f8, f8[:,::1], f8[::1], i8[::1], f8[::1], "
+    "f8[:,::1], f8[:,::1], f8[:,:,::1], f8[::1], f8[:,::1])"
+)
+def _first_safe(
+    speeds: FloatArray,
+    braking: float,
+    points: FloatArray,
+    times: FloatArray,
+    firsts: IntArray,
+    here: FloatArray,
+    positions: FloatArray,
+    velocities: FloatArray,
+    covariances: FloatArray,
+    radii: FloatArray,
+    limits: FloatArray,
+) -> int:
+    """Return the index of the first speed that is safe; the number of speeds if none is.
+
+    Args:
+        speeds: (k,) speeds that are tried, in [m/s].
+        braking: deceleration in [m/s²].
+        points: (n, 2) positions of the base with all speeds, one speed after the other, on the map in [m].
+        times: (n,) times of the positions, in [s].
+        firsts: (k + 1,) speed i has points[firsts[i]:firsts[i + 1]].
+        here: (3,) x and y of the base on the map and the radius of its footprint, in [m].
+        positions: (p, 2), as in `People`; the next three as well.
+        velocities: (p, 2).
+        covariances: (p, 4, 4).
+        radii: (p,).
+        limits: (p, 3) gap to keep in [m], speed in [m/s] of a person who turns back, and time at rest in [s].
+    """
+    for i in range(len(speeds)):
+        to_stop, safe = speeds[i] / braking, True
+        for p in range(len(radii)):
+            moves = velocities[p, 0] != 0.0 or velocities[p, 1] != 0.0
+            size_now = grown_radius(covariances[p], 0.0, radii[p])
+            gap = standing = near = np.inf
+            for k in range(firsts[i], firsts[i + 1]):
+                t = times[k] if moves else 0.0
+                size = grown_radius(covariances[p], t, radii[p])
+                x, y = positions[p, 0] + t * velocities[p, 0], positions[p, 1] + t * velocities[p, 1]
+                away = math.sqrt((points[k, 0] - x) ** 2 + (points[k, 1] - y) ** 2)
+                gap = min(gap, away - size - here[2])
+                away = math.sqrt((here[0] - x) ** 2 + (here[1] - y) ** 2)
+                standing = min(standing, away - size - here[2])
+                away = math.sqrt(
+                    (points[k, 0] - positions[p, 0]) ** 2 + (points[k, 1] - positions[p, 1]) ** 2
+                )
+                near = min(near, away - size_now - here[2])
+            stood_s = limits[p, 2]
+            leaves = gap >= standing - 1e-3 and (gap >= AWAY_GAP_M or stood_s >= STOOD_S)
+            creeps = leaves and stood_s >= SETTLED_S and speeds[i] <= CREEPING_M_S
+            in_time = near >= limits[p, 1] * (to_stop + TURN_BACK_S)
+            safe = safe and (gap >= limits[p, 0] or leaves) and (in_time or creeps)
+        if safe:
+            return i
+    return len(speeds)
 
 
 def yielding_speed(ahead: FloatArray, speed: float, people: People, radius: float, keep: float) -> float:
@@ -98,11 +155,10 @@ def yielding_speed(ahead: FloatArray, speed: float, people: People, radius: floa
     return SPEED_SHARES[int(np.argmax(gaps >= wanted))] * speed
 
 
-def _braked(speed: float, braking: float, period: float, times: FloatArray) -> FloatArray:
-    """Return the distance (t,) driven at a speed for a period and then braked, in [m]."""
-    after = np.clip(times - period, 0.0, abs(speed) / braking)
-    driven = abs(speed) * np.minimum(times, period) + abs(speed) * after - 0.5 * braking * after**2
-    return np.asarray(math.copysign(1.0, speed) * driven)
+def _braked(speeds: FloatArray, braking: float, period: float, times: FloatArray) -> FloatArray:
+    """Return the distance (t,) driven at speeds (t,) for a period and then braked, in [m]."""
+    after = np.clip(times - period, 0.0, speeds / braking)
+    return np.asarray(speeds * np.minimum(times, period) + speeds * after - 0.5 * braking * after**2)
 
 
 def _on_arc(pose: Pose2, curvature: float, along: FloatArray) -> FloatArray:
