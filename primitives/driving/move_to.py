@@ -50,6 +50,7 @@ from .lidar_watch import LidarWatch
 from .local_replanning import LocalReplanning
 from .looks_at_rest import LooksAtRest
 from .place_measuring import measure_place, until_blocked
+from .waiting_limit import WaitingLimit
 from .way_back import brake, drive_back, way_back_blocked
 
 ARRIVAL_TOLERANCE = PoseTolerance(position=0.02, heading=0.01)
@@ -233,12 +234,13 @@ class MoveTo(ActionPrimitive):
     def _follow(self, robot: Robot, model: ModelView, tracker: PathTracker | CarTracker) -> Periods:
         arm = self._arm(robot, model, lambda: tracker.remaining)
         progress, since, rolled, last = 0.0, robot.time, 0.0, robot.localization.odometry_pose
-        anew, looks = 0, LooksAtRest(robot.localization)
+        anew, looks, waiting = 0, LooksAtRest(robot.localization), WaitingLimit(self.place, self.wait_s)
         while not tracker.finished(robot.pose):
             yield from self._replanned(robot, tracker)
             due = looks.due(tracker.remaining)
             waits = due or self._blocked_since is not None or robot.base.share_for_people < 1.0
             waits = waits or robot.localization.stale_s > 0.0
+            waiting.note(robot, tracker.remaining, waits)
             robot.base.drive(*self._command(robot, tracker, due))
             self._ahead = tracker.ahead
             if abs(tracker.progress - progress) > 0.01 or waits:

@@ -17,6 +17,8 @@ from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from .lidar_watch import LidarWatch
 
 BLOCKED_TIMEOUT_S = 10.0  # time for which an obstacle may prevent the turn
+GETTING_ON_M = 0.1  # less is not progress
+STANDING_TIMEOUT_S = 60.0  # without progress, whatever stops the base again and again
 STOPPING_SPEED_M_S = 0.05  # below which the base is let stop
 
 
@@ -39,6 +41,7 @@ class Orient(ActionPrimitive):
     @override
     def motion(self, robot: Robot, model: ModelView) -> Periods:
         driven, speed, since = 0.0, 0.0, robot.time
+        got_on, got_on_at = 0.0, robot.time
         limits = robot.drive_limits
         while not robot.localization.heading_known:
             if driven > self.longest_m:
@@ -53,6 +56,13 @@ class Orient(ActionPrimitive):
                 raise Discrepancy(
                     f"the base can't drive ahead: {robot.held.words}", measured=near, cause=causes.BLOCKED
                 )
+            if driven > got_on + GETTING_ON_M:
+                got_on, got_on_at = driven, robot.time
+            elif robot.time > got_on_at + STANDING_TIMEOUT_S:
+                stood = Measured(
+                    "Base", "time without getting on", robot.time - got_on_at, STANDING_TIMEOUT_S, "s"
+                )
+                raise Discrepancy("the base doesn't get on", measured=stood, cause=causes.NO_PROGRESS)
             speed = min(limits.speed, speed + limits.acceleration * robot.period)
             robot.base.drive(speed, 0.0)
             yield

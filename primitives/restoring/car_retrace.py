@@ -17,6 +17,7 @@ from handcart.robotics.navigation.following.car_tracker import CarTracker
 
 from .arm_command import command_moment, renew_passed
 from .pauses import Pauses
+from .return_progress import ReturnProgress
 from .snapshot import Snapshot
 from .trace import Moment, Trace
 
@@ -50,11 +51,11 @@ def _straight_to(robot: Robot, start: Snapshot) -> Generator[None, None, None]:
     left = begin.x if came is None else Pose2(*came.mean.tolist()).inverse().x
     if abs(left) < MIN_STRETCH_M:
         return
-    begun = robot.localization.odometry_pose
-    while (
-        abs(robot.localization.odometry_pose.relative_to(begun).x)
-        < abs(left) - FINAL_SPEED_M_S * robot.period
-    ):
+    begun, getting_on = robot.localization.odometry_pose, ReturnProgress(robot)
+    while (driven := abs(robot.localization.odometry_pose.relative_to(begun).x)) < abs(
+        left
+    ) - FINAL_SPEED_M_S * robot.period:
+        getting_on.check(driven)
         robot.base.drive(math.copysign(FINAL_SPEED_M_S, left), 0.0)
         yield
 
@@ -104,10 +105,12 @@ def _drive_back(robot: Robot, stretch: Sequence[Moment], forwards: bool) -> Gene
         if _reckoned(now).distance(poses[-1]) >= CAR_POINT_SPACING_M:
             poses.append(_reckoned(now))
     sharpest = robot.spec.drive.sharpest_per_m
-    tracker, pauses = CarTracker([(np.array(poses), forwards)], sharpest, robot.drive_limits), Pauses(robot)
+    tracker = CarTracker([(np.array(poses), forwards)], sharpest, robot.drive_limits)
+    pauses, getting_on = Pauses(robot), ReturnProgress(robot)
     while not tracker.finished(robot.localization.odometry_pose):
         if pauses.has_ended():
             tracker.stopped()
+        getting_on.check(tracker.progress)
         robot.base.drive(*tracker.command(robot.localization.odometry_pose, robot.period))
         renew_passed(robot, left, along[::-1], tracker.progress)
         yield

@@ -23,6 +23,7 @@ from .arm_command import renew_passed
 from .car_retrace import car_retrace, check_stands
 from .car_shunting import bring_back
 from .pauses import Pauses
+from .return_progress import ReturnProgress
 from .snapshot import Snapshot
 from .trace import Moment, Trace
 
@@ -156,6 +157,11 @@ def _travelled(stretch: Sequence[Moment]) -> bool:
 def _drive_back(
     robot: Robot, stretch: Sequence[Moment], allowed: SpeedLimits | None
 ) -> Generator[None, None, None]:
+    """Drive back along a stretch of the way, and bring the arm to the joints that it had at each place.
+
+    Raises:
+        Discrepancy: the base does not get on.
+    """
     goal, left = stretch[0].pose, list(stretch)
     points, way = _way_back(stretch)
     if way[0] < MIN_TRACKED_TRAVEL_M:
@@ -163,10 +169,11 @@ def _drive_back(
     else:
         limits = robot.drive_limits
         tracker = make_tracker(points, goal.theta, limits, _forwards(stretch), STRETCH_TOLERANCE, allowed)
-        pauses = Pauses(robot)
+        pauses, getting_on = Pauses(robot), ReturnProgress(robot)
         while not tracker.finished(robot.pose):
             if pauses.has_ended():
                 tracker.stopped()
+            getting_on.check(tracker.progress)
             robot.base.drive(*tracker.command(robot.pose, robot.period))
             renew_passed(robot, left, way, tracker.progress)
             yield

@@ -65,9 +65,10 @@ def settle(robot: Robot) -> Generator[None, None, bool]:
     """Wait until the robot's readings are constant for `REST_PERIODS` and the pose of the base is known.
 
     Return whether that happened within `REST_TIMEOUT_S`. This time begins again while the lidar repeats a
-    scan, for at most `STALE_S`.
+    scan, for at most `STALE_S` in total.
     """
     still, end, displaced = 0, robot.time + REST_TIMEOUT_S, robot.localization.displacements
+    latest = end + STALE_S
     before = _readings(robot)
     while still < REST_PERIODS and robot.time < end:
         yield
@@ -77,7 +78,7 @@ def settle(robot: Robot) -> Generator[None, None, bool]:
         if still == REST_PERIODS:
             robot.localization.look_again()
         if 0.0 < robot.localization.stale_s <= STALE_S:
-            still, end = 0, robot.time + REST_TIMEOUT_S
+            still, end = 0, min(robot.time + REST_TIMEOUT_S, latest)
         if robot.localization.displacements > displaced:
             displaced, still = robot.localization.displacements, -KNOWN_AGAIN
     return still >= REST_PERIODS

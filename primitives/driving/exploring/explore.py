@@ -43,6 +43,9 @@ NEAR_FRONTIER_M = 0.8  # beside the footprint, up to where a frontier is looked 
 MAX_DRIVES = 3  # that may fail to one frontier
 MAX_BLIND_SHARE = 0.1  # of the motions that only the wheels measured, from which a map is doubtful
 MIN_EXPLAINED = 0.5  # share of the last scan that the map must explain
+GETTING_ON_M = 0.1  # less is not progress
+STANDING_TIMEOUT_S = 180.0  # without progress, with drives that are changed again and again
+STANDING_RATIO = 4.0  # of the time to wait for a passer-by, if that is more
 TRIED_AGAIN = (causes.BLOCKED, causes.NO_ROUTE, causes.OFF_GOAL, causes.UNDETERMINED)
 
 
@@ -79,6 +82,8 @@ class Explore(ActionPrimitive):
     _last: FrontierLook | None = PrivateAttr(default=None)
     _failed: dict[tuple[float, float], int] = PrivateAttr(default_factory=dict)
     _lidar_watch: LidarWatch = PrivateAttr(default_factory=LidarWatch)
+    _got_on_m: float = PrivateAttr(default=0.0)
+    _got_on_at: float = PrivateAttr(default=0.0)
 
     def unmet_precondition(self, robot: Robot, model: ModelView) -> str:
         """Return a message if the robot cannot compare scans with a map, or cannot turn on the spot."""
@@ -94,7 +99,7 @@ class Explore(ActionPrimitive):
         assert robot.lidar is not None
         known = model.map if model.map.occupied.any() else None
         self._scans = ScanCollector(robot, robot.lidar, known)
-        self._work = MapWork(self._scans)
+        self._work, self._got_on_at = MapWork(self._scans), robot.time
         self._look = ExploringLook(robot, self._scans.map, self.radius_m)
         yield from self._look_around(robot)
         target = yield from self._next_target(robot, model)
@@ -168,7 +173,7 @@ class Explore(ActionPrimitive):
         periods = drive.periods(robot)
         looked_at, looked = self._scans.rolled, robot.time
         while not drive.is_near(robot.pose):
-            self._check_distance()
+            self._check_distance(robot)
             is_due = self._scans.rolled > looked_at + LOOK_DISTANCE_M or robot.time > looked + LOOK_PERIOD_S
             if is_due and not self._work.is_running:
                 looked_at, looked = self._scans.rolled, robot.time
@@ -236,8 +241,17 @@ class Explore(ActionPrimitive):
         else:
             self._look.postpone(target.middle)
 
-    def _check_distance(self) -> None:
+    def _check_distance(self, robot: Robot) -> None:
+        """Raise `Discrepancy` if the base has driven too far, or does not get on while its goals change."""
         assert self._scans is not None
+        if self._scans.rolled > self._got_on_m + GETTING_ON_M:
+            self._got_on_m, self._got_on_at = self._scans.rolled, robot.time
+        limit = max(STANDING_TIMEOUT_S, STANDING_RATIO * self.wait_s)
+        if robot.time > self._got_on_at + limit:
+            stood = Measured("Base", "time without getting on", robot.time - self._got_on_at, limit, "s")
+            raise Discrepancy(
+                "the base doesn't get on to any frontier", measured=stood, cause=causes.NO_PROGRESS
+            )
         if self._scans.rolled <= self.longest_m:
             return
         far = Measured("Base", "distance driven", self._scans.rolled, self.longest_m, "m")

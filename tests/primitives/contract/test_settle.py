@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from handcart.primitives.restoring.snapshot import KNOWN_AGAIN, REST_PERIODS, REST_TIMEOUT_S, settle
+from handcart.primitives.restoring.snapshot import (
+    KNOWN_AGAIN,
+    REST_PERIODS,
+    REST_TIMEOUT_S,
+    STALE_S,
+    settle,
+)
 
 PERIOD = 0.05
 
@@ -19,6 +26,7 @@ class Wheels:
         self.time, self.displacements, self.looks, self.stale_s = 0.0, 0, 0, 0.0
         self.localization = self
         self._rolls, self._pushed, self._travel = rolls, pushed, 0.0
+        self.stalls: Callable[[int], float] = lambda _: 0.0
         self.base = SimpleNamespace(wheel_travel=lambda: (self._travel, self._travel))
         self.backend = SimpleNamespace(get=lambda _: None)
 
@@ -38,6 +46,8 @@ class Wheels:
             self.time += PERIOD
             periods += 1
             self._travel += 0.01 * (periods in self._rolls)
+            self.stale_s = self.stalls(periods)
+            assert periods < 10_000, "waits without end"
 
 
 def test_it_is_at_rest_after_some_periods_without_motion() -> None:
@@ -59,3 +69,18 @@ def test_what_never_stands_is_told() -> None:
     rests, periods = Wheels(rolls=tuple(range(10_000))).settled()
     assert not rests
     assert periods == pytest.approx(REST_TIMEOUT_S / PERIOD, abs=1)
+
+
+def test_lidar_that_stalls_again_and_again_does_not_hold_up_the_rest() -> None:
+    """It gives one new scan every 2 s while the base rolls slowly on a slope."""
+    wheels = Wheels(rolls=tuple(range(0, 10_000, 3)))
+    wheels.stalls = lambda periods: PERIOD * (periods % 40)
+    rests, periods = wheels.settled()
+    assert not rests
+    assert periods <= (REST_TIMEOUT_S + STALE_S) / PERIOD + 1
+
+
+def test_base_rests_after_a_lidar_has_stalled_once() -> None:
+    wheels, stalled = Wheels(), round(0.9 * STALE_S / PERIOD)
+    wheels.stalls = lambda periods: PERIOD * periods * (periods < stalled)
+    assert wheels.settled() == (True, stalled - 1 + REST_PERIODS)

@@ -22,6 +22,8 @@ PERIOD = 0.05
 class Car:
     """Rolls exactly as commanded; its arm and fingers are where they were commanded to be."""
 
+    held, share_for_people = None, 1.0
+
     def __init__(self, arm: bool = True) -> None:
         self.true, self.time, self.period = Pose2(0.0, 0.0, 0.0), 0.0, PERIOD
         self.joints, self.grip = np.zeros(2), 0.0

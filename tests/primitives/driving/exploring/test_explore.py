@@ -13,6 +13,7 @@ from benchmarks.driving.cluttered_robot import write_robot
 from handcart.evaluation.judging.map_survey import MapFigures, compare_with_world
 from handcart.evaluation.judging.survey import SurveyedRun, simulated_world
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
+from handcart.primitives.driving.exploring import explore
 from handcart.primitives.driving.exploring.explore import Explore
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy
@@ -89,6 +90,22 @@ def test_explore_without_way_left_comes_back(tmp_path: Path) -> None:
         assert rig.robot.localization.travel.left > 1.0
         assert truth_of(rig).distance(begun) < 0.02
         assert "explored" in made.evidence.maps
+
+
+def test_exploration_with_goals_that_change_all_the_time_ends(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each look finds another goal before the base has begun to drive to the last one."""
+    monkeypatch.setattr(explore, "STANDING_TIMEOUT_S", 5.0)
+    monkeypatch.setattr(explore, "LOOK_PERIOD_S", 0.0)
+    monkeypatch.setattr(Explore, "_goes_on", lambda *_: False)
+    with build_rig(world(tmp_path, TWO_ROOMS), robot="cart") as rig:
+        begun = rig.robot.time
+        failed = rig.do(Explore(wait_s=1.0))
+        assert isinstance(failed, Fail)
+        assert failed.reason == "the base doesn't get on to any frontier"
+        assert failed.cause is causes.NO_PROGRESS
+        assert rig.robot.time < begun + 60.0
 
 
 @pytest.mark.parametrize("robot", ["cart", "toyama"])
