@@ -25,7 +25,8 @@ from handcart.primitives.knowledge.world_model import ModelView, WorldModel
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured, NeedsPerson
 from handcart.primitives.preconditions.hand_use import USE_UNDECLARED, USES_NO_FINGERS, HandUse
-from handcart.primitives.restoring.retrace import LONGEST_REACH, reach_pose, retrace
+from handcart.primitives.restoring.retrace import reach_pose, retrace
+from handcart.primitives.restoring.return_progress import HELD_RETURN_S, STUCK_RETURN_S
 from handcart.primitives.restoring.snapshot import Snapshot, settle
 from handcart.primitives.restoring.trace import Trace
 from handcart.robotics.geometry.pose2 import Pose2
@@ -285,7 +286,7 @@ class MoveTo(ActionPrimitive):
         """Return the maximum time without progress, in [s]."""
         if robot.held is not None:
             return max(STUCK_TIMEOUT_S, self.wait_s)
-        return STUCK_TIMEOUT_S if tracker.remaining > FINAL_APPROACH_M else LONGEST_REACH
+        return STUCK_TIMEOUT_S if tracker.remaining > FINAL_APPROACH_M else STUCK_RETURN_S
 
     def _stuck(self, robot: Robot, model: ModelView, seconds: float, rolled: float) -> Discrepancy:
         """Return the reason for the missing progress; scanned obstacles on the path are kept."""
@@ -385,7 +386,7 @@ class MoveTo(ActionPrimitive):
             if waited and self._local is not None and not self.together:
                 self._ahead = np.empty((0, 2))
                 yield from drive_back(self._local, robot, start.pose, self.wait_s)
-                yield from reach_pose(robot, start.pose)
+                yield from reach_pose(robot, start.pose, held_s=HELD_RETURN_S)
                 return
             if waited and self._local is not None:
                 raise Discrepancy("an obstacle is on the way back", cause=causes.BLOCKED)

@@ -23,7 +23,7 @@ from .arm_command import renew_passed
 from .car_retrace import car_retrace, check_stands
 from .car_shunting import bring_back
 from .pauses import Pauses
-from .return_progress import ReturnProgress
+from .return_progress import HELD_RETURN_S, STUCK_RETURN_S, ReturnProgress
 from .snapshot import Snapshot
 from .trace import Moment, Trace
 
@@ -35,7 +35,6 @@ EXACT_REACH_S = 10.0
 """Time that the base gets to reach a pose within the wanted tolerance, in [s]."""
 WIDENING_S = 20.0
 """Time in which the tolerance grows to its largest value, after `EXACT_REACH_S`, in [s]."""
-LONGEST_REACH = 60.0  # [s] that the base gets to a pose near by
 SPEEDS_UP = 4  # periods in which the first of an arm's steps is made; each of the next in one less
 STANDSTILL_TOLERANCE = 1e-4  # [m], [rad]: between two periods, less is not motion
 
@@ -68,23 +67,27 @@ def retrace(
         else:
             yield from _play_back(robot, stretch)
     yield from _command(robot, Moment(start.pose, start.joint_command, start.gripper_command))
-    yield from reach_pose(robot, start.pose, RETURN_TOLERANCE)
+    yield from reach_pose(robot, start.pose, RETURN_TOLERANCE, HELD_RETURN_S)
 
 
 def reach_pose(
-    robot: Robot, goal: Pose2, tolerance: PoseTolerance = STRETCH_TOLERANCE
+    robot: Robot,
+    goal: Pose2,
+    tolerance: PoseTolerance = STRETCH_TOLERANCE,
+    held_s: float = STUCK_RETURN_S,
 ) -> Generator[None, None, None]:
     """Bring the base to a close pose; do nothing if it is there already.
 
     The base is there if its position is within half of `tolerance`, and its heading within all of it. A base
     that shifts as it turns, such as a skid-steer base, may miss the pose by some millimetres. After
     `EXACT_REACH_S`, the tolerance is therefore widened, up to half of the tolerance in the robot's file. A
-    car is not moved.
+    car is not moved. Pauses do not count, neither for the tolerance nor for the end after `STUCK_RETURN_S`.
 
     Args:
         robot: robot at rest near the pose.
         goal: map_T_base to reach.
         tolerance: largest difference from the goal.
+        held_s: longest time with the time that obstacles or people hold the base, in [s].
 
     Raises:
         Discrepancy: the base does not reach the pose in time; or a car isn't within its tolerance.
@@ -95,12 +98,12 @@ def reach_pose(
     if robot.pose.distance(goal) < 0.5 * tolerance.position and robot.pose.turn(goal) < tolerance.heading:
         return
     regulator = make_regulator(goal, robot.drive_limits, tolerance)
-    begun, end, pauses = robot.time, robot.time + LONGEST_REACH, Pauses(robot)
+    pauses, reaching = Pauses(robot), ReturnProgress(robot, held_s)
     while not regulator.finished(robot.pose):
         if pauses.has_ended():
             regulator.stopped()
-        regulator.tolerance = _widened(robot, tolerance, robot.time - begun)
-        if robot.time > end:
+        regulator.tolerance = _widened(robot, tolerance, reaching.driven_s)
+        if reaching.is_over():
             off = robot.pose.distance(goal)
             away = Measured("Base", "distance from its goal", off, tolerance.position, "m")
             why = "" if robot.held is None else f": {robot.held.words}"
@@ -128,7 +131,7 @@ def reach_again(robot: Robot, start: Snapshot, model: WorldModel, room: float) -
     is moved back and forth until it is at the pose.
     """
     if robot.spec.drive.kind != "ackermann":
-        yield from reach_pose(robot, start.pose)
+        yield from reach_pose(robot, start.pose, held_s=HELD_RETURN_S)
         return
     yield from bring_back(robot, start, model, room)
 
@@ -165,7 +168,7 @@ def _drive_back(
     goal, left = stretch[0].pose, list(stretch)
     points, way = _way_back(stretch)
     if way[0] < MIN_TRACKED_TRAVEL_M:
-        yield from reach_pose(robot, goal)
+        yield from reach_pose(robot, goal, held_s=HELD_RETURN_S)
     else:
         limits = robot.drive_limits
         tracker = make_tracker(points, goal.theta, limits, _forwards(stretch), STRETCH_TOLERANCE, allowed)

@@ -17,14 +17,23 @@ class ReturnProgress:
     Pauses of the drive do not count.
     """
 
-    def __init__(self, robot: Robot) -> None:
-        """Begin a drive back."""
-        self._robot, self._progress = robot, 0.0
+    def __init__(self, robot: Robot, held_s: float = HELD_RETURN_S) -> None:
+        """Begin a drive back.
+
+        Args:
+            robot: robot on its way back.
+            held_s: time without progress, with the time that obstacles or people hold the base, in [s].
+        """
+        self._robot, self._held_s, self._progress = robot, held_s, 0.0
         self._driven_s = self._waited_s = 0.0
 
-    def check(self, progress: float) -> None:
-        """Raise `Discrepancy` if the base has not got on for `STUCK_RETURN_S`, or for `HELD_RETURN_S` where
-        obstacles or people held it.
+    @property
+    def driven_s(self) -> float:
+        """Time without progress in which nothing held the base, in [s]."""
+        return self._driven_s
+
+    def is_over(self, progress: float = 0.0) -> bool:
+        """Count a period, and return whether the base has not got on for too long.
 
         Args:
             progress: length of the way back that the base has covered, in [m].
@@ -36,10 +45,20 @@ class ReturnProgress:
             self._waited_s += robot.period
         else:
             self._driven_s += robot.period
-        passed = self._driven_s + self._waited_s
-        if self._driven_s <= STUCK_RETURN_S and passed <= HELD_RETURN_S:
+        return self._driven_s > STUCK_RETURN_S or self._driven_s + self._waited_s > self._held_s
+
+    def check(self, progress: float) -> None:
+        """Raise `Discrepancy` if the base has not got on for `STUCK_RETURN_S`, or for `HELD_RETURN_S` where
+        obstacles or people held it.
+
+        Args:
+            progress: length of the way back that the base has covered, in [m].
+        """
+        robot = self._robot
+        if not self.is_over(progress):
             return
-        limit = STUCK_RETURN_S if self._driven_s > STUCK_RETURN_S else HELD_RETURN_S
+        passed = self._driven_s + self._waited_s
+        limit = STUCK_RETURN_S if self._driven_s > STUCK_RETURN_S else self._held_s
         stood = Measured("Base", "time without getting on", passed, limit, "s")
         why = "" if robot.held is None else f": {robot.held.words}"
         raise Discrepancy(

@@ -13,6 +13,7 @@ from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.outcomes import causes
 from handcart.primitives.outcomes.discrepancy import Discrepancy, Measured
 from handcart.primitives.restoring.retrace import reach_pose
+from handcart.primitives.restoring.return_progress import HELD_RETURN_S
 from handcart.primitives.restoring.snapshot import Snapshot, settle
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.mapping.line_matching import match_surfaces
@@ -68,7 +69,7 @@ def drive_to_start(
         yield from _measure_start(robot, scans)
         if _is_near(robot, start.pose):
             break
-        yield from reach_pose(robot, start.pose)
+        yield from reach_pose(robot, start.pose, held_s=HELD_RETURN_S)
     yield from settle(robot)
     yield from _measure_start(robot, scans)
 

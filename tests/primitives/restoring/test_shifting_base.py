@@ -10,7 +10,8 @@ import pytest
 
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.primitives.outcomes.discrepancy import Discrepancy
-from handcart.primitives.restoring.retrace import LONGEST_REACH, RETURN_TOLERANCE, reach_pose
+from handcart.primitives.restoring.retrace import RETURN_TOLERANCE, reach_pose
+from handcart.primitives.restoring.return_progress import HELD_RETURN_S, STUCK_RETURN_S
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.following.drive_limits import DriveLimits
 
@@ -18,7 +19,8 @@ from handcart.robotics.navigation.following.drive_limits import DriveLimits
 class ShiftingRobot:
     """Drives as commanded; turning moves its origin about a point next to it, and a little ahead for good."""
 
-    held = None
+    held: str | None = None
+    share_for_people = 1.0
     drive_limits = DriveLimits()
     period = 0.05
 
@@ -56,14 +58,14 @@ def test_base_that_turns_about_another_point_is_brought_back_exactly(
 ) -> None:
     robot = ShiftingRobot(Pose2(*start), beside=0.06, slides=0.0)
     bring(robot, Pose2(0.0, 0.0, 0.0))
-    assert robot.time < LONGEST_REACH / 3
+    assert robot.time < STUCK_RETURN_S / 3
     assert robot.true.distance(Pose2(0.0, 0.0, 0.0)) <= RETURN_TOLERANCE.position
 
 
 def test_base_sliding_in_a_turn_is_restored_within_tolerance() -> None:
     robot = ShiftingRobot(Pose2(0.03, 0.03, 0.4), beside=0.06, slides=0.03, noise=0.002)
     bring(robot, Pose2(0.0, 0.0, 0.0))
-    assert robot.time < LONGEST_REACH / 2  # 38 s, were the tolerance not to widen
+    assert robot.time < STUCK_RETURN_S / 2  # 38 s, were the tolerance not to widen
     assert robot.true.distance(Pose2(0.0, 0.0, 0.0)) <= 0.5e-3 * robot.spec.tolerance.base_mm
     assert robot.true.turn(Pose2(0.0, 0.0, 0.0)) <= 0.5 * math.radians(robot.spec.tolerance.base_deg)
 
@@ -73,3 +75,26 @@ def test_base_that_does_not_come_back_is_reported() -> None:
     robot.drive = lambda speed, turn_rate: setattr(robot, "time", robot.time + 0.05)  # type: ignore[method-assign]
     with pytest.raises(Discrepancy, match="doesn't reach its pose"):
         bring(robot, Pose2(0.0, 0.0, 0.0))
+
+
+def test_a_long_pause_neither_ends_a_return_nor_widens_its_tolerance() -> None:
+    robot: Any = ShiftingRobot(Pose2(0.03, 0.0, 0.0), beside=0.0, slides=0.0)
+    returning = reach_pose(robot, Pose2(0.0, 0.0, 0.0), RETURN_TOLERANCE)
+    next(returning)
+    robot.time += 10.0 * STUCK_RETURN_S
+    for _ in returning:
+        pass
+    assert robot.true.distance(Pose2(0.0, 0.0, 0.0)) <= RETURN_TOLERANCE.position
+
+
+def test_a_person_may_hold_the_base_for_longer_on_its_way_back() -> None:
+    robot: Any = ShiftingRobot(Pose2(0.03, 0.0, 0.0), beside=0.0, slides=0.0)
+    returning = reach_pose(robot, Pose2(0.0, 0.0, 0.0), RETURN_TOLERANCE, HELD_RETURN_S)
+    robot.share_for_people, drives = 0.0, robot.drive
+    robot.drive = lambda speed, turn_rate: setattr(robot, "time", robot.time + 0.05)
+    while robot.time < 5.0 * STUCK_RETURN_S:
+        next(returning)
+    robot.share_for_people, robot.drive = 1.0, drives
+    for _ in returning:
+        pass
+    assert robot.true.distance(Pose2(0.0, 0.0, 0.0)) <= RETURN_TOLERANCE.position
