@@ -29,6 +29,7 @@ from handcart.networks.journal.journal_record import JournalError
 from handcart.networks.journal.syncing import Sync
 from handcart.networks.operator.operation import Operation
 from handcart.networks.operator.permits import Permits
+from handcart.networks.run_files.run_names import SUMMARY_FILE
 from handcart.networks.run_files.telemetry import Telemetry
 from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.preparing import prepare as prepare
@@ -104,7 +105,7 @@ def execute(
         figures = {name: value for observer in observers for name, value in observer.figures(end).items()}
         try:
             written = _write(
-                run_dir / "summary.json", summary(prepared, end, run_dir, clock() - began, figures)
+                run_dir / SUMMARY_FILE, summary(prepared, end, run_dir, clock() - began, figures)
             )
             telemetry.save(run_dir / "telemetry.npz")
         except OSError as error:
@@ -170,6 +171,8 @@ def _journal(prepared: Prepared, run_dir: Path, options: RunOptions, past: Past 
     journal = Journal.go_on(path, past.contents, sync)
     for kind, fields, wall in past.resume_records:
         journal.append(kind, prepared.robot.time, fields, process_facts() if kind == "EPOCH" else wall)
+    with suppress(OSError):
+        (run_dir / SUMMARY_FILE).unlink()  # of an earlier end, which no longer is the run's
     return journal
 
 

@@ -21,7 +21,7 @@ LOOKS_S = 0.2
 LOOKS_PER_LISTING = 5
 """Number of looks at running runs between two listings of the folder."""
 MAX_SHOWN_RUNS = 200
-"""Maximum number of runs shown, the newest ones."""
+"""Maximum number of runs shown, the newest ones; older ones are shown as well while they may be running."""
 PATIENCE_S = 1.0
 """Time that a run has to answer the watcher, in [s]."""
 
@@ -105,7 +105,9 @@ class Watcher:
         self._pool.shutdown(wait=False, cancel_futures=True)
 
     def _list(self) -> dict[str, ListedRun]:
-        return {run.folder.name: run for run in list_runs(self.folder)[:MAX_SHOWN_RUNS]}
+        runs = list_runs(self.folder)
+        older = (run for run in runs[MAX_SHOWN_RUNS:] if (run.folder / CONTROL_SOCKET).exists())
+        return {run.folder.name: run for run in (*runs[:MAX_SHOWN_RUNS], *older)}
 
     async def _look(self, name: str) -> None:
         """Ask a run that may be alive for its status, and note it.
