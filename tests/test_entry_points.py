@@ -229,3 +229,11 @@ def fresh_registries() -> Iterator[dict[str, Callable[[str], type]]]:
     finally:
         for item in cached:
             item.cache_clear()
+
+
+@pytest.mark.parametrize("module", ["handcart", "handcart.tools.main"])
+def test_the_command_line_runs_as_a_module(module: str) -> None:
+    words = [sys.executable, "-m", module, "no-such-command"]
+    said = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert said.returncode == 2
+    assert "no-such-command" in said.stderr

@@ -98,3 +98,7 @@ def _report_error(error: Exception) -> int:
     traceback.print_exception(error)
     print("this is a fault in handcart, not in what you gave it", file=sys.stderr)
     return 5
+
+
+if __name__ == "__main__":
+    main()
