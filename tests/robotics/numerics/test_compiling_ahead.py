@@ -24,8 +24,9 @@ from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.runs.run_options import RunOptions
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.maps.grid_map import from_boxes
 from handcart.robotics.navigation.tracking.moving_tracks import BodyTrack, MovingTracks
-from handcart.robotics.navigation.tracking.people import People
+from handcart.robotics.navigation.tracking.people import People, with_people
 from handcart.robotics.navigation.tracking.seen_free import PastScan
 from handcart.robotics.navigation.tracking.yielding import safe_share, yielding_speed
 from handcart.robotics.numerics.compiled import COMPILED_AHEAD
@@ -42,6 +43,7 @@ for time in (0.0, 0.3):
 track = BodyTrack(1, walker[0], np.zeros(2), np.eye(4), 0.3, True, 0.0)
 safe_share(Pose2(0.0, 0.0, 0.0), (0.5, 0.0), People.of([track]), 0.3, 1.0, 0.05)
 yielding_speed(walker, 1.0, People.of([track]), 0.3, 0.3)
+with_people(from_boxes([], 0.1, (0.0, 0.0), (3.0, 3.0)), People.of([track]), np.zeros(2), 0.3, 0.3)
 kernels = [each for module in COMPILED_AHEAD.values() for each in module]
 assert len(kernels) >= 8
 wrong = [kernel for kernel, types in kernels if kernel.dispatcher.signatures != [types_of(types)]]
