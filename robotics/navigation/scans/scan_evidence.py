@@ -19,7 +19,7 @@ from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.numerics.arrays import FloatArray, Int32Array, Uint16Array
 from handcart.robotics.numerics.compiled import compiled, compiled_fast
 
-from .likelihood_field import STEPS_PER_CELL, FieldValues, beam_sectors
+from .likelihood_field import STEPS_PER_CELL, FieldValues, LikelihoodField, beam_sectors
 
 SHIFT_CELLS = np.array([2.6, 3.3, 4.3, 5.2])  # cells, each way: more than one, and no multiples of each other
 MIN_SHARE = 0.12  # of the rise that the slopes claim; less is grain: up to 0.10 along a diagonal wall
@@ -32,8 +32,13 @@ FIT_PARABOLA = np.linalg.pinv(np.vander(FAN_STEP * np.arange(-2, 3), 3))  # (3, 
 FAN_POINTS = 120  # points by which those directions are compared
 MIN_POINTS = 5.0  # points on a wall across the direction that the cost has to rise by
 OFF_MAP_SCALES = 1e3  # scales: as far as a point beyond the map
+NEAR_SCALES = 4.0  # scales from a surface, within which a point counts
 NO_SLOPES = np.empty((0, 2))
 MIN_SAME_DIRECTION_COSINE = 0.7  # cosine of two directions that are about the same
+
+
+NearPoints = tuple[Int32Array, FloatArray, FloatArray, FloatArray]
+"""Points of a scan near surfaces of a map, as `near_points` returns them."""
 
 
 class ScanEvidence(NamedTuple):
@@ -56,8 +61,7 @@ class ScanEvidence(NamedTuple):
 def weakest_evidence(
     grid: GridMap,
     facing: Uint16Array,
-    points: FloatArray,
-    reading: FieldValues,
+    near: NearPoints,
     pose: Pose2,
     information: FloatArray,
     scale: float,
@@ -71,8 +75,7 @@ def weakest_evidence(
         grid: the map.
         facing: (k, h, w) distances of its cells to the nearest surface, as `LikelihoodField.facing`, in steps
             of 1 / `STEPS_PER_CELL` cells.
-        points: (n, 2) end points of the beams, on the map, in [m].
-        reading: values of the likelihood field at the points.
+        near: points of the scan near surfaces of the map, at this pose.
         pose: map_T_base at which the scan fits best.
         information: (3, 3) information matrix of the scan alone: x, y on the map and heading, in [1/m²] and
             [1/rad²].
@@ -82,13 +85,9 @@ def weakest_evidence(
     lever = information[:2, 2] / max(float(information[2, 2]), 1e-9)
     inner = information[:2, :2] - lever[:, None] * information[2, :2]
     direction = _weakest_axis(inner)
-    sectors, seen, distances, slopes = near_points(
-        points, reading.distances, reading.slopes, 4.0 * scale, pose[:2], len(facing)
-    )
-    if not len(seen):
+    if not len(near[1]):
         return ScanEvidence(direction, 0.0)
-    middle = np.array(pose[:2])
-    shifted = _Shifted(grid, facing, sectors, seen, distances, slopes, middle, lever, scale)
+    shifted = _Shifted(grid, facing, *near, np.array(pose[:2]), lever, scale)
     across, claimed = shifted.rise(direction)
     if across < PLAIN_SHARE * claimed:
         direction = shifted.flattest(direction)
@@ -154,8 +153,26 @@ class _Shifted(NamedTuple):
         """Return `rises` along directions (k, 2), by each point whose number is a multiple of `every`."""
         grid = self.grid
         steps, corner = SHIFT_CELLS * grid.resolution, (grid.origin_x, grid.origin_y)
-        where = rays, steps, every, corner, grid.resolution, self.facing, self.sectors, self.points
-        return rises(*where, self.distances, slopes, self.middle, self.lever, self.scale)
+        motions = np.column_stack([rays, self.lever[0] * rays[:, 0] + self.lever[1] * rays[:, 1]])
+        where = motions, steps, every, corner, grid.resolution, self.facing, self.sectors, self.points
+        return rises(*where, self.distances, slopes, self.middle, self.scale)
+
+
+def near_surfaces(
+    field: LikelihoodField, points: FloatArray, reading: FieldValues, pose: Pose2, scale: float
+) -> NearPoints:
+    """Return the points of a scan whose costs are compared: those up to four scales from a surface.
+
+    Args:
+        field: likelihood field of the map.
+        points: (n, 2) end points of the beams, on the map, in [m].
+        reading: values of the field at the points.
+        pose: map_T_base at which the scan was taken.
+        scale: scale of the robust cost, in [m].
+    """
+    return near_points(
+        points, reading.distances, reading.slopes, NEAR_SCALES * scale, pose[:2], len(field.facing)
+    )
 
 
 @compiled
@@ -166,7 +183,7 @@ def near_points(
     limit: float,
     sensor: tuple[float, float],
     sector_count: int,
-) -> tuple[Int32Array, FloatArray, FloatArray, FloatArray]:
+) -> NearPoints:
     """Return the points of a scan that are near surfaces of a map, with their values.
 
     Args:
@@ -195,7 +212,7 @@ def near_points(
 
 @compiled_fast
 def rises(
-    rays: FloatArray,
+    motions: FloatArray,
     steps: FloatArray,
     every: int,
     origin: tuple[float, float],
@@ -206,15 +223,15 @@ def rises(
     distances: FloatArray,
     slopes: FloatArray,
     middle: FloatArray,
-    lever: FloatArray,
     scale: float,
 ) -> FloatArray:
-    """Return how much the matching cost of a scan rises for a shift of the scan, plus its rise for the
-    opposite shift.
+    """Return how much the matching cost of a scan rises for a motion of the scan, plus its rise for the
+    opposite motion.
 
     Args:
-        rays: (k, 2) unit vectors on the map, the directions of the shifts.
-        steps: (n,) lengths of the shifts along each direction, in [m].
+        motions: (k, 3) shifts along x and y of the map, and clockwise turns about `middle`, in [rad], for
+            each metre of a step.
+        steps: (n,) lengths of the steps along each motion, in [m].
         every: only points whose number is a multiple of this are used.
         origin: lower-left corner of the map in its frame, in [m].
         resolution: side of a cell, in [m].
@@ -225,16 +242,15 @@ def rises(
         distances: (m,) of the points to the nearest surface, in [m].
         slopes: (m, 2) slopes of the distances, without unit; empty if the rise expected from the slopes is
             not needed.
-        middle: (2,) position of the base on the map, in [m].
-        lever: (2,) turn of the heading for a shift along x and along y, in [rad/m].
+        middle: (2,) centre of the turns on the map, in [m].
         scale: scale of the robust cost, in [m].
 
     Returns:
-        (k, n, 3) in [m²], for each direction and shift: the actual rise, the rise expected from the slopes,
-            and the rise of a single point on a wall at right angles to the shift.
+        (k, n, 3) in [m²], for each motion and step: the actual rise, the rise expected from the slopes, and
+            the rise of a single point that moves by the step at right angles to a wall.
     """
     count, per = (len(points) + every - 1) // every, 1.0 / resolution
-    out, before = np.zeros((len(rays), len(steps), 3)), 0.0
+    out, before = np.zeros((len(motions), len(steps), 3)), 0.0
     at, moved, plane = np.empty((2, count)), np.empty((2, count)), np.empty(count, dtype=np.int32)
     area = facing.shape[1] * facing.shape[2]
     for i in range(count):
@@ -242,11 +258,11 @@ def rises(
         at[1, i] = (points[i * every, 1] - origin[1]) * per - 0.5
         plane[i] = sectors[i * every] * area
         before += _cost(min(distances[i * every], OFF_MAP_SCALES * scale) ** 2, scale)
-    for k in range(len(rays)):
-        turn = lever[0] * rays[k, 0] + lever[1] * rays[k, 1]
-        for i in range(count):  # cells moved by, for each metre of the base
-            moved[0, i] = (rays[k, 0] + turn * (points[i * every, 1] - middle[1])) * per
-            moved[1, i] = (rays[k, 1] - turn * (points[i * every, 0] - middle[0])) * per
+    for k in range(len(motions)):
+        x, y, turn = motions[k, 0], motions[k, 1], motions[k, 2]
+        for i in range(count):  # cells moved by, for each metre of a step
+            moved[0, i] = (x + turn * (points[i * every, 1] - middle[1])) * per
+            moved[1, i] = (y - turn * (points[i * every, 0] - middle[0])) * per
         for j in range(len(steps)):
             forth = _shifted_cost(facing, plane, at, moved, steps[j], resolution, scale)
             back = _shifted_cost(facing, plane, at, moved, -steps[j], resolution, scale)

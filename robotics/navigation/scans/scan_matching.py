@@ -14,7 +14,7 @@ from handcart.robotics.numerics.compiled import compiled
 
 from .likelihood_field import LikelihoodField as LikelihoodField
 from .likelihood_field import beam_sectors, read_field
-from .scan_evidence import ScanEvidence, confirmed, unrelated, weakest_evidence
+from .scan_evidence import ScanEvidence, confirmed, near_surfaces, unrelated, weakest_evidence
 from .turn_evidence import turn_evidence, without_turn
 
 INLIER_SCALES = 3.0  # scales within which a point counts as explained by the map
@@ -149,8 +149,9 @@ def match_scan(
         on_map = pose.apply(used)
         reading = field.reading(on_map, pose[:2])
         residuals, alone = reading.distances, hessian - information
-        evidence = weakest_evidence(grid, field.facing, on_map, reading, pose, alone, final, noise)
-        turn = turn_evidence(grid, field.facing, on_map, reading, pose, alone, evidence, final)
+        close = near_surfaces(field, on_map, reading, pose, final)
+        evidence = weakest_evidence(grid, field.facing, close, pose, alone, final, noise)
+        turn = turn_evidence(grid, field.facing, close, pose, alone, evidence, final)
         evidence = evidence._replace(turn_share=turn.share)
         seen = confirmed(evidence, before)
         if seen.share < 1.0:

@@ -28,24 +28,23 @@ def read(field: LikelihoodField, points: np.ndarray, sectors: np.ndarray) -> np.
 
 
 @pytest.mark.parametrize("every", [1, 3])
-def test_a_shifted_scan_costs_what_numpy_says(every: int) -> None:
+def test_a_moved_scan_costs_what_numpy_says(every: int) -> None:
     """Some of its points leave the map as they are shifted."""
     rng = np.random.default_rng(4)
     grid = from_boxes([(2.0, 0.1, 0.2, 4.0, 0.2), (1.0, 2.0, 0.7, 0.5, 0.3)], 0.05, (0.0, 0.0), (4.0, 3.0))
     field = LikelihoodField(grid)
     points = rng.uniform((0.05, 0.05), (3.9, 2.9), (200, 2))
-    middle, lever = np.array([2.0, 1.5]), np.array([0.2, -0.1])
+    middle = np.array([2.0, 1.5])
     reading, sectors = field.reading(points, (2.0, 1.5)), beam_sectors(points, (2.0, 1.5), len(field.facing))
-    rays = np.array([[1.0, 0.0], [0.6, 0.8]])
+    motions = np.array([[1.0, 0.0, 0.2], [0.6, 0.8, -0.1], [0.0, 0.0, -0.7]])
     where = (grid.origin_x, grid.origin_y), grid.resolution, field.facing, sectors
     slopes = np.ascontiguousarray(reading.slopes)
     scan = np.ascontiguousarray(points), np.ascontiguousarray(reading.distances), slopes
-    found = rises(rays, STEPS_M, every, *where, *scan, middle, lever, SCALE_M)
+    found = rises(motions, STEPS_M, every, *where, *scan, middle, SCALE_M)
     some, then = points[::every], reading.distances[::every]
-    for ray, of_ray in zip(rays, found, strict=True):
-        turn = float(lever @ ray)
-        moved = ray + turn * np.column_stack([some[:, 1] - middle[1], middle[0] - some[:, 0]])
-        for step, (seen, claimed, one) in zip(STEPS_M, of_ray, strict=True):
+    for (x, y, turn), of_motion in zip(motions.tolist(), found, strict=True):
+        moved = np.array([x, y]) + turn * np.column_stack([some[:, 1] - middle[1], middle[0] - some[:, 0]])
+        for step, (seen, claimed, one) in zip(STEPS_M, of_motion, strict=True):
             shifted = [cost(read(field, some + way * moved, sectors[::every])) for way in (step, -step)]
             assert seen == pytest.approx(float((shifted[0] + shifted[1] - 2.0 * cost(then)).sum()), rel=1e-6)
             along = np.abs(np.sum(slopes[::every] * moved, axis=1))
@@ -56,9 +55,9 @@ def test_a_shifted_scan_costs_what_numpy_says(every: int) -> None:
 def test_a_map_of_one_row_reads_as_beyond_it() -> None:
     points, distance = np.array([[0.1, 0.02]]), np.zeros((1, 1, 40), np.uint16)
     sectors = np.zeros(1, np.int32)
-    zero = np.zeros(1), np.empty((0, 2)), np.zeros(2), np.zeros(2)
+    zero = np.zeros(1), np.empty((0, 2)), np.zeros(2)
     found = rises(
-        np.array([[1.0, 0.0]]), STEPS_M, 1, (0.0, 0.0), 0.05, distance, sectors, points, *zero, SCALE_M
+        np.array([[1.0, 0.0, 0.0]]), STEPS_M, 1, (0.0, 0.0), 0.05, distance, sectors, points, *zero, SCALE_M
     )
     assert found[0, :, 0] == pytest.approx(2.0 * SCALE_M**2, rel=1e-5)
 

@@ -10,10 +10,10 @@ import pytest
 from benchmarks.driving.box_ranges import box_ranges
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
-from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField, beam_sectors, read_field
+from handcart.robotics.navigation.scans.likelihood_field import LikelihoodField
 from handcart.robotics.navigation.scans.scan_evidence import ScanEvidence, confirmed
 from handcart.robotics.navigation.scans.scan_matching import match_scan
-from handcart.robotics.navigation.scans.turn_evidence import TurnEvidence, turn_rises, without_turn
+from handcart.robotics.navigation.scans.turn_evidence import TurnEvidence, without_turn
 
 RADIUS_M, CELL_M, MIDDLE_M = 2.5, 0.05, 2.725
 SIGMAS = np.array([0.05, 0.05, 0.1])
@@ -90,32 +90,3 @@ def test_information_is_reduced_about_the_turn_alone(share: float) -> None:
     reduced = without_turn(information, TurnEvidence(pivot, share))
     assert turn @ reduced @ turn == pytest.approx(share * (turn @ information @ turn), abs=1e-12)
     np.testing.assert_allclose(reduced[:2, :2], information[:2, :2])
-
-
-def test_turned_scan_costs_what_numpy_says() -> None:
-    scale, steps, rng = 0.05, np.array([0.13, 0.26]), np.random.default_rng(4)
-    grid = round_map()
-    field, points = LikelihoodField(grid), rng.uniform(0.4, 5.0, (100, 2))
-    middle = np.array([2.5, 3.0])
-    reading, sectors = field.reading(points, (2.7, 2.7)), beam_sectors(points, (2.7, 2.7), len(field.facing))
-    distances, slopes = (np.ascontiguousarray(part) for part in (reading.distances, reading.slopes))
-    where = (grid.origin_x, grid.origin_y), grid.resolution, field.facing, sectors
-    found = turn_rises(steps, *where, points, distances, slopes, middle, scale)
-    away = points - middle
-    moved = np.column_stack([-away[:, 1], away[:, 0]]) / math.sqrt((away**2).sum(axis=1).mean())
-
-    def cost(values: np.ndarray) -> np.ndarray:
-        return np.asarray(values**2 * scale**2 / (scale**2 + values**2))
-
-    def read(at: np.ndarray) -> np.ndarray:
-        cells = (at - (grid.origin_x, grid.origin_y)) / grid.resolution - 0.5
-        values = read_field(field.facing, grid.occupied, cells, sectors)[:, 0] * grid.resolution
-        return np.minimum(values, 1e3 * scale)
-
-    for step, (seen, claimed, one) in zip(steps, found, strict=True):
-        both = cost(read(points + step * moved)) + cost(read(points - step * moved))
-        assert seen == pytest.approx(float((both - 2.0 * cost(distances)).sum()), rel=1e-5)
-        assert claimed == pytest.approx(
-            float(2.0 * cost(step * (slopes * moved).sum(axis=1)).sum()), rel=1e-6
-        )
-        assert one == pytest.approx(2.0 * float(cost(np.array(step))), rel=1e-9)
