@@ -81,7 +81,8 @@ def reach_pose(
     The base is there if its position is within half of `tolerance`, and its heading within all of it. A base
     that shifts as it turns, such as a skid-steer base, may miss the pose by some millimetres. After
     `EXACT_REACH_S`, the tolerance is therefore widened, up to half of the tolerance in the robot's file. A
-    car is not moved. Pauses do not count, neither for the tolerance nor for the end after `STUCK_RETURN_S`.
+    car is not moved. Waits in which the motion is suspended count neither for the tolerance nor for the end
+    after `STUCK_RETURN_S`.
 
     Args:
         robot: robot at rest near the pose.
