@@ -153,7 +153,10 @@ class _Reader:
             if names is not None:  # None: their file is wrong, or missing
                 self._document = with_all(self._document, kind, names)
         if goes_over_unknown(self._document):  # otherwise each of its actions would be reported
-            self._add_all(file_faults(self._document))
+            self._check_names()
+            spans = has_conditions(self._document)
+            for number, entry in self._listed("actions", ConditionEntry if spans else ActionEntry).items():
+                self._kind(number, entry.do)
             self._findings.raise_all()
 
     def task(self) -> Task:
@@ -163,8 +166,7 @@ class _Reader:
         """Return the task whose network its conditions span."""
         file, entries = self._whole(ConditionFile), self._listed("actions", ConditionEntry)
         self._check_entries(entries)
-        self._add_all(file_faults(self._document))
-        self._add_all(robot_faults(self._document))
+        self._check_names()
         found = ConditionReader(self._document).generated(entries, self._findings)
         copies = found.copies if found else Copies({}, (), "")
         actions = self._actions(copies, entries)
@@ -186,8 +188,7 @@ class _Reader:
         interrupts = self._silently(("interrupts",), list[SituationInterrupt]) or []
         self._add_all(interrupt_faults(interrupts, situations))
         self._check_otherwise(situations)
-        self._add_all(file_faults(self._document))
-        self._add_all(robot_faults(self._document))
+        self._check_names()
         copies = self._copies(situations, entries, start, goals[-1])
         copies, goal = self._in_order(copies, goals)
         facts, faults = element_facts(copies, situations)
@@ -226,8 +227,6 @@ class _Reader:
         except FileError:
             return None
 
-    # Checks
-
     def _add(self, path: KeyPath, message: str) -> None:
         self._findings.add(self._document.finding(path, message))
 
@@ -244,6 +243,10 @@ class _Reader:
     def _add_all(self, faults: Iterable[tuple[KeyPath, str]]) -> None:
         for path, fault in faults:
             self._add(path, fault)
+
+    def _check_names(self) -> None:
+        """Check that the files and the robot that the task names are there."""
+        self._add_all([*file_faults(self._document), *robot_faults(self._document)])
 
     def _goals(self, start: str, situations: Mapping[str, object]) -> tuple[str, ...]:
         """Return the goals in order; at least one, "" if none can be read."""

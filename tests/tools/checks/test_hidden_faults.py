@@ -75,3 +75,17 @@ def test_reading_past_a_fault_ends_with_its_context() -> None:
 def test_syntax_that_cannot_be_read_is_not_passed() -> None:
     with reading_past([]), pytest.raises(FileError, match=r"f\.yaml:2:1: a bracket is opened"):
         parse_document(b"a: [1\n", "f.yaml")
+
+
+@pytest.mark.parametrize("repeated", ["{all: places}", "[desk, {parameter: nothing}]"])
+def test_a_repeat_over_unknown_elements_hides_no_other_name(
+    handcart: Callable[..., Any], tmp_path: Path, repeated: str
+) -> None:
+    source = Path(__file__).resolve().parents[3] / "tasks" / "drive_map" / "task.yaml"
+    text = source.read_text(encoding="utf-8").replace("do: MOVE_TO,", "do: MOVE_TOO,", 1)
+    text = text.replace("{all: places}", repeated).replace("robot: librarian", "robot: libarian")
+    (tmp_path / "task.yaml").write_text(text, encoding="utf-8")
+    said = handcart("check", tmp_path / "task.yaml").err
+    assert "unknown robot 'libarian'" in said
+    assert said.count("unknown primitive 'MOVE_TOO'") == 1
+    assert "missing file 'places.yaml'" in said
