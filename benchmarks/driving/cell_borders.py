@@ -25,8 +25,8 @@ from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from benchmarks.driving.box_ranges import box_ranges
 from benchmarks.driving.cluttered_robot import write_robot
+from benchmarks.driving.worlds.box_ranges import box_ranges
 from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.outcomes.outcome import GiveUp, Success

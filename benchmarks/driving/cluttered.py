@@ -25,7 +25,7 @@ import numpy as np
 
 from benchmarks.cut_off import CutOff
 from benchmarks.driving.cluttered_robot import write_robot
-from benchmarks.driving.cluttered_worlds import (
+from benchmarks.driving.worlds.cluttered_worlds import (
     DENSITIES,
     Box,
     World,

@@ -19,7 +19,7 @@ import numpy as np
 from benchmarks.cut_off import CutOff
 from benchmarks.driving.cluttered import Trial, run_watched
 from benchmarks.driving.cluttered_robot import write_robot
-from benchmarks.driving.cluttered_worlds import Box, map_text, world_text
+from benchmarks.driving.worlds.cluttered_worlds import Box, map_text, world_text
 from handcart.files.errors import FileError
 from handcart.networks.task.preparing import prepare
 from handcart.robotics.navigation.maps.grid_map import from_boxes

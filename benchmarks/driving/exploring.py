@@ -24,7 +24,7 @@ from handcart.evaluation.trials.rig import Rig, RigFiles, build_rig
 from handcart.primitives.driving.exploring.explore import Explore
 from handcart.robotics.numerics.arrays import FloatArray
 
-from .building import make_building, write_building
+from .worlds.building import make_building, write_building
 
 SIZES = ((2, 2), (2, 3), (3, 3))
 MAX_MEDIAN_MM, MAX_95_MM = 30.0, 80.0

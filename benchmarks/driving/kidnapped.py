@@ -23,7 +23,13 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from benchmarks.cut_off import CutOff
-from benchmarks.driving.map_starts import Chart, chosen_charts, floor_pose, start_options, written_world
+from benchmarks.driving.worlds.map_starts import (
+    Chart,
+    chosen_charts,
+    floor_pose,
+    start_options,
+    written_world,
+)
 from handcart.evaluation.trials.rig import Rig, build_rig
 from handcart.primitives.contract.attempt import attempt
 from handcart.primitives.driving.move_to import MoveTo

@@ -20,7 +20,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from benchmarks.cut_off import CutOff
-from benchmarks.driving.map_starts import Chart, chosen_charts, start_options, written_world
+from benchmarks.driving.worlds.map_starts import Chart, chosen_charts, start_options, written_world
 from handcart.evaluation.trials.rig import build_rig
 from handcart.primitives.driving.locate import Locate
 from handcart.primitives.outcomes.outcome import Fail, Success

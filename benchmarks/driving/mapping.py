@@ -24,7 +24,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 from handcart.tools.maps.map_log import RESOLUTION_M
 from handcart.tools.maps.stages import stages_shown
 
-from .mapped_floor import Boxes, Drive, drive, make_floor
+from .worlds.mapped_floor import Boxes, Drive, drive, make_floor
 
 WORLDS = (((1, 1), 50.0), ((2, 1), 90.0), ((2, 2), 150.0), ((3, 2), 210.0), ((3, 3), 280.0))
 """Blocks along x and y, and the length of the way in [m]; the way back to the start is added."""

@@ -23,8 +23,8 @@ from scipy import ndimage
 from skimage.graph import MCP_Geometric
 from skimage.morphology import skeletonize
 
-from benchmarks.driving.box_ranges import box_ranges
-from benchmarks.driving.office_map import office_boxes, office_map
+from benchmarks.driving.worlds.box_ranges import box_ranges
+from benchmarks.driving.worlds.office_map import office_boxes, office_map
 from handcart.robotics.geometry.pose2 import Pose2, wrap
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes, from_ros
 from handcart.robotics.navigation.odometry.odometry import Odometry, OdometryErrors
@@ -37,7 +37,7 @@ from handcart.robotics.numerics.arrays import BoolArray, FloatArray, IntArray
 
 BEAM_ANGLES = np.linspace(-np.pi, np.pi, 360, endpoint=False)
 COLD_START_CODE = (
-    "import time; t = time.perf_counter(); from benchmarks.driving.office_map import office_map; "
+    "import time; t = time.perf_counter(); from benchmarks.driving.worlds.office_map import office_map; "
     "from handcart.robotics.navigation.routes.route import plan_route; "
     "from handcart.robotics.navigation.routes.voronoi_graph import voronoi_graph; "
     "m = office_map(0, 400, 300); t = time.perf_counter(); "

@@ -31,7 +31,7 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from benchmarks.driving.random_room import Body, Room, write, write_places
+from benchmarks.driving.worlds.random_room import Body, Room, write, write_places
 from handcart.backends.robot.robot import Robot
 from handcart.evaluation.trials.rig import RigFiles, build_rig
 from handcart.networks.events.events import Ended, Event

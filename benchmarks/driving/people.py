@@ -22,7 +22,7 @@ import numpy as np
 from benchmarks.cut_off import CutOff
 from benchmarks.driving.cluttered import SLOW_MS, TASK_PATH, Trial, run_watched
 from benchmarks.driving.cluttered_robot import write_robot
-from benchmarks.driving.people_worlds import PeopleWorld, people_world, write_people_world
+from benchmarks.driving.worlds.people_worlds import PeopleWorld, people_world, write_people_world
 from handcart.evaluation.judging.contact_survey import ContactSurvey
 from handcart.evaluation.judging.judge import Judge
 from handcart.networks.task.preparing import prepare

@@ -26,8 +26,8 @@ from scipy import ndimage
 from skimage.graph import MCP_Geometric
 
 from benchmarks.driving.navigation import length_and_room, real_maps
-from benchmarks.driving.office_map import office_map
-from benchmarks.driving.random_grids import distance_to_squares, random_grid, rooms, streets
+from benchmarks.driving.worlds.office_map import office_map
+from benchmarks.driving.worlds.random_grids import distance_to_squares, random_grid, rooms, streets
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.route import Route, plan_route
 from handcart.robotics.navigation.routes.shortest_path import shortest_clear_path

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handcart.backends.description.printed_tag import UNIT_TAG_CORNERS
+from handcart.backends.description.things.printed_tag import UNIT_TAG_CORNERS
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.knowledge.world_model import ModelView
 from handcart.primitives.objects.looking.object_look import look_from

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 from typing_extensions import override
 
-from handcart.backends.description.door_shape import DoorShape, DoorTag
+from handcart.backends.description.things.door_shape import DoorShape, DoorTag
 from handcart.files.models.model import FileModel
 from handcart.robotics.navigation.maps.movable_areas import MovableArea
 

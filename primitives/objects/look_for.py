@@ -14,7 +14,7 @@ from handcart.backends.capabilities.arm import Arm
 from handcart.backends.capabilities.camera import AnyCamera
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.depth_camera import DepthCamera
-from handcart.backends.description.printed_tag import PrintedTag
+from handcart.backends.description.things.printed_tag import PrintedTag
 from handcart.backends.robot.localization.determination import PoseNeed
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive, Periods

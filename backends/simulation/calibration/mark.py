@@ -8,7 +8,7 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
-from handcart.backends.description.board_layout import BoardLayout
+from handcart.backends.description.things.board_layout import BoardLayout
 from handcart.backends.simulation.world.sheet import Sheet
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.numerics.arrays import ByteArray

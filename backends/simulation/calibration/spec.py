@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from handcart.backends.description.board_layout import BoardLayout
+from handcart.backends.description.things.board_layout import BoardLayout
 from handcart.backends.simulation.world.world_file import FloorPose
 from handcart.files.models.model import FileModel
 

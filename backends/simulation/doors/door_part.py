@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from typing_extensions import override
 
-from handcart.backends.description.printed_tag import PrintedTag
+from handcart.backends.description.things.printed_tag import PrintedTag
 from handcart.backends.simulation.objects.printed_thing import PrintedThing
 from handcart.backends.simulation.objects.tag_print import printed_faces
 from handcart.backends.simulation.world.thing import GreyImage, Rest, Side

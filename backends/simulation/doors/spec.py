@@ -7,7 +7,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from handcart.backends.description.door_shape import DoorShape
+from handcart.backends.description.things.door_shape import DoorShape
 from handcart.backends.simulation.world.world_file import Name, each_once
 from handcart.files.models.model import FileModel
 from handcart.robotics.manipulation.doors.door_joint import DoorJoint

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from handcart.backends.description.printed_tag import PrintedTag
+from handcart.backends.description.things.printed_tag import PrintedTag
 from handcart.backends.simulation.world.placed_thing import PlacedSpec
 from handcart.backends.simulation.world.world_file import FloorPose, Length, Name, each_once
 from handcart.files.models.model import FileModel

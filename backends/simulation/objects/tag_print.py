@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import cv2
 import numpy as np
 
-from handcart.backends.description.printed_tag import FACE_AXES, UNIT_TAG_CORNERS, Face, PrintedTag
+from handcart.backends.description.things.printed_tag import FACE_AXES, UNIT_TAG_CORNERS, Face, PrintedTag
 from handcart.robotics.geometry.transform import apply, inverse
 from handcart.robotics.numerics.arrays import ByteArray, FloatArray, SingleArray
 from handcart.robotics.perception.landmarks.tag_family import dictionary, modules_of

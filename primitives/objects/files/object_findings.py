@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from handcart.backends.description.printed_tag import PrintedTag
+from handcart.backends.description.things.printed_tag import PrintedTag
 from handcart.files.suggest import suggest
 
 from .object_kind import KnownObject, ObjectKind

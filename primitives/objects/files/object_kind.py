@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from handcart.backends.description.printed_tag import Face, PrintedTag
+from handcart.backends.description.things.printed_tag import Face, PrintedTag
 from handcart.files.models.model import FileModel
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, inverse, transform

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic import Field
 from typing_extensions import override
 
-from handcart.backends.description.printed_tag import PrintedTag
+from handcart.backends.description.things.printed_tag import PrintedTag
 from handcart.files.models.model import FileModel
 from handcart.robotics.perception.objects.known_solids import KnownSolid
 

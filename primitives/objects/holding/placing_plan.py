@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handcart.backends.description.printed_tag import FACE_TURNS, PrintedTag
+from handcart.backends.description.things.printed_tag import FACE_TURNS, PrintedTag
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.objects.files.object_kind import ObjectKind
 from handcart.primitives.objects.files.surface import ObjectSurface

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from handcart.backends.description.printed_tag import UNIT_TAG_CORNERS
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.sensor_specs import CameraSpec
+from handcart.backends.description.things.printed_tag import UNIT_TAG_CORNERS
 from handcart.backends.robot.mounted_camera import MountedCamera, known_camera, mount_of
 from handcart.primitives.knowledge.place import Place
 from handcart.primitives.objects.files.objects_file import ObjectsFile

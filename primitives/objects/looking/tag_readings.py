@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from handcart.backends.description.printed_tag import UNIT_TAG_CORNERS
+from handcart.backends.description.things.printed_tag import UNIT_TAG_CORNERS
 from handcart.primitives.objects.files.object_kind import ObjectKind
 from handcart.primitives.objects.files.objects_file import ObjectsFile
 from handcart.primitives.objects.files.surface import ObjectSurface

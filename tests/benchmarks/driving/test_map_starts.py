@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.driving.building import make_building
-from benchmarks.driving.map_starts import chosen_charts, map_files, start_options
+from benchmarks.driving.worlds.building import make_building
+from benchmarks.driving.worlds.map_starts import chosen_charts, map_files, start_options
 from handcart.files.maps.map_writing import write_grid
 from handcart.robotics.navigation.maps.grid_map import from_boxes
 

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from benchmarks.driving.box_ranges import box_ranges
+from benchmarks.driving.worlds.box_ranges import box_ranges
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes, from_ros
 from handcart.robotics.navigation.scans.scan_matching import LikelihoodField

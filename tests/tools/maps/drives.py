@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from benchmarks.driving.mapped_floor import Drive, Floor, drive, make_floor
+from benchmarks.driving.worlds.mapped_floor import Drive, Floor, drive, make_floor
 
 
 @cache

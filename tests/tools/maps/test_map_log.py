@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.driving.box_ranges import box_ranges
+from benchmarks.driving.worlds.box_ranges import box_ranges
 from handcart.evaluation.mapping.csv_scans import HEADER_MARK, POSE_COLUMNS, read_csv_scans
 from handcart.evaluation.trials.running import run_task
 from handcart.files.maps.map_file import load_map

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.driving.box_ranges import box_ranges
+from benchmarks.driving.worlds.box_ranges import box_ranges
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.mapping.scan_log import ScanLog
 

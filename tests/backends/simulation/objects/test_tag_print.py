@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from handcart.backends.description.printed_tag import Face, PrintedTag
+from handcart.backends.description.things.printed_tag import Face, PrintedTag
 from handcart.backends.simulation.objects.carried_object import CarriedObject
 from handcart.backends.simulation.objects.spec import CarriedObjectSpec
 from handcart.backends.simulation.world.canvas import Canvas

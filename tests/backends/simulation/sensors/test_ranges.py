@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.driving.box_ranges import box_ranges
+from benchmarks.driving.worlds.box_ranges import box_ranges
 from handcart.backends.simulation.sensors.ranges import cast_rays
 from handcart.backends.simulation.world.solids import FloorPlan, Solid, of_furniture
 from handcart.backends.simulation.world.world_file import Furniture, Surprise

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from handcart.backends.description.printed_tag import UNIT_TAG_CORNERS
+from handcart.backends.description.things.printed_tag import UNIT_TAG_CORNERS
 from handcart.primitives.objects.files.objects_file import ObjectsFile
 from handcart.primitives.objects.looking import tag_readings
 from handcart.primitives.objects.looking.tag_readings import (

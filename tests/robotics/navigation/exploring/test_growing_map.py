@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.driving.box_ranges import box_ranges
+from benchmarks.driving.worlds.box_ranges import box_ranges
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.exploring.growing_map import GrowingMap
 from handcart.robotics.navigation.mapping.scan_log import Keyframe, keyframe_of

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.driving.box_ranges import box_ranges
+from benchmarks.driving.worlds.box_ranges import box_ranges
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.locating.beam_evidence import explain, independent_beams, matching_noise
 from handcart.robotics.navigation.locating.global_search import same_place, search_map

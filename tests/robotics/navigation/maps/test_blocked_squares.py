@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from benchmarks.driving.random_grids import distance_to_squares
+from benchmarks.driving.worlds.random_grids import distance_to_squares
 from handcart.robotics.navigation.maps.blocked_squares import (
     TOUCHING_CELLS,
     blocked_squares,

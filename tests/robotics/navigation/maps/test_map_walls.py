@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from benchmarks.driving.box_ranges import box_ranges
+from benchmarks.driving.worlds.box_ranges import box_ranges
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.navigation.maps.map_walls import LONE_POST_CELLS, THIN_WALL_CELLS, map_walls

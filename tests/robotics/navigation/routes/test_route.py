@@ -4,8 +4,14 @@ import numpy as np
 import pytest
 from skimage.graph import MCP_Geometric
 
-from benchmarks.driving.random_grids import GRID_KINDS, distance_to_squares, random_grid, rooms, streets
 from benchmarks.driving.routes import try_grid
+from benchmarks.driving.worlds.random_grids import (
+    GRID_KINDS,
+    distance_to_squares,
+    random_grid,
+    rooms,
+    streets,
+)
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.navigation.routes.route import Route, plan_route

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from benchmarks.driving.office_map import Boxes, office_boxes, wall_boxes
+from benchmarks.driving.worlds.office_map import Boxes, office_boxes, wall_boxes
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.navigation.routes.shortcuts import path_length

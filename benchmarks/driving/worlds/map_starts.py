@@ -14,7 +14,7 @@ import numpy as np
 import yaml
 from PIL import Image
 
-from benchmarks.driving.office_map import office_boxes
+from benchmarks.driving.worlds.office_map import office_boxes
 from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.trials.rig import RigFiles
 from handcart.primitives.knowledge.place import load_map
@@ -22,7 +22,7 @@ from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.navigation.maps.grid_map import GridMap, from_boxes
 from handcart.robotics.numerics.arrays import IntArray
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 SHIPPED = ("drive_map/map.yaml", "drive_map/twin_rooms.yaml", "return_book/map.yaml")
 OFFICE_SIZE_M = (22.0, 14.0)
 CORRIDOR_M = (30.0, 2.4)

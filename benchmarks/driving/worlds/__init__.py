@@ -1,0 +1,1 @@
+"""Worlds and maps to drive in, and exact ranges in them."""
