@@ -32,35 +32,6 @@ class RosBenchOptions(NamedTuple):
     """Differences of the robot from its file, each as NAME=FACTOR."""
 
 
-class BenchRate:
-    """Rate of a bench's periods, which says once that the machine is too slow for it."""
-
-    WINDOW_S, MIN_SHARE = 5.0, 0.8
-
-    def __init__(self, period_s: float) -> None:
-        """Begin without a period; `period_s` is its duration in [s]."""
-        self._period_s, self._begun, self._count = period_s, -1.0, 0
-        self._is_said = False
-
-    def note(self, now: float) -> str:
-        """Note the end of a period at a time in [s]; return a warning, "" if there is nothing to say."""
-        if self._begun < 0.0:
-            self._begun = now
-            return ""
-        self._count += 1
-        if now - self._begun < self.WINDOW_S:
-            return ""
-        rate, wanted = self._count / (now - self._begun), 1.0 / self._period_s
-        self._begun, self._count = now, 0
-        if self._is_said or rate >= self.MIN_SHARE * wanted:
-            return ""
-        self._is_said = True
-        return (
-            f"warning: the bench makes {rate:.1f} periods a second; needed: {wanted:g}. This machine is too"
-            " slow or too busy for it, and a program may call its topics late"
-        )
-
-
 def serve_topics(options: RosBenchOptions) -> None:
     """Simulate a robot behind its ROS 2 topics in real time.
 
@@ -69,6 +40,7 @@ def serve_topics(options: RosBenchOptions) -> None:
         NoRos: rclpy is not installed.
     """
     from handcart.backends.ros2.bench.bench_faults import BenchFaults, TopicFault
+    from handcart.backends.ros2.bench.bench_rate import BenchRate
     from handcart.backends.ros2.bench.robot_differences import RobotDifferences
     from handcart.backends.ros2.bench.ros_bench import RosBench
     from handcart.backends.ros2.wire.ros_errors import NoTopics

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from handcart.tools.hardware.ros_bench import BenchRate
+from handcart.backends.ros2.bench.bench_rate import BenchRate
 
 
 @pytest.mark.parametrize(("rate_hz", "count"), [(20.0, 0), (17.0, 0), (3.5, 1)])
