@@ -24,6 +24,8 @@ from handcart.backends.loading.robot_loading import load_robot
 from handcart.evaluation.trials.running import run_task
 from handcart.networks.runs.run_options import RunOptions
 from handcart.robotics.geometry.pose2 import Pose2
+from handcart.robotics.navigation.mapping.line_matching import match_surfaces
+from handcart.robotics.navigation.mapping.scan_surface import fit_surface
 from handcart.robotics.navigation.maps.grid_map import from_boxes
 from handcart.robotics.navigation.tracking.moving_tracks import BodyTrack, MovingTracks
 from handcart.robotics.navigation.tracking.people import People, with_people
@@ -44,6 +46,8 @@ track = BodyTrack(1, walker[0], np.zeros(2), np.eye(4), 0.3, True, 0.0)
 safe_share(Pose2(0.0, 0.0, 0.0), (0.5, 0.0), People.of([track]), 0.3, 1.0, 0.05)
 yielding_speed(walker, 1.0, People.of([track]), 0.3, 0.3)
 with_people(from_boxes([], 0.1, (0.0, 0.0), (3.0, 3.0)), People.of([track]), np.zeros(2), 0.3, 0.3)
+wall = fit_surface(np.column_stack([np.full(40, 2.0), np.linspace(-1.0, 1.0, 40)]), np.zeros(2))
+match_surfaces(wall, wall, Pose2(0.0, 0.0, 0.0))
 kernels = [each for module in COMPILED_AHEAD.values() for each in module]
 assert len(kernels) >= 8
 wrong = [kernel for kernel, types in kernels if kernel.dispatcher.signatures != [types_of(types)]]
@@ -85,7 +89,7 @@ with ahead.compiling_ahead():
 
 @pytest.mark.slow
 def test_it_is_compiled_for_what_runs_call_it_with(tmp_path: Path) -> None:
-    """And for nothing else; the task needs neither inverse kinematics nor people, called by themselves."""
+    """And for nothing else; what the task does not need is called by itself."""
     words = [sys.executable, "-c", RUNS, str(tmp_path)]
     said = subprocess.run(words, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True, timeout=300)
     assert said.stdout == "\n", "these are called with other types"
