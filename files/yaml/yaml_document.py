@@ -176,9 +176,13 @@ def parse_document(
         FileError: the bytes are not valid YAML; the error has a finding for each fault.
     """
     text = decode_text(content, file, longest_line)
-    is_fast = _PASSED.get() is None  # the fast trees are kept, and all of them are without a fault
-    root = (is_fast and _fast_tree(text, file, max_nodes)) or _tree(text, file, max_nodes)
-    return Document(file, content, root)
+    try:
+        root = _fast_tree(text, file, max_nodes)  # it is kept, and without a fault
+    except FileError:
+        if _PASSED.get() is None:
+            raise
+        root = None
+    return Document(file, content, root or _tree(text, file, max_nodes))
 
 
 @lru_cache(maxsize=KEPT_TREES)
