@@ -7,6 +7,7 @@ import math
 from typing_extensions import override
 
 from handcart.backends.capabilities.gripper import Gripper
+from handcart.backends.description.robot_file import GripperSpec
 from handcart.backends.ros2.ros_backend import RosBackend
 from handcart.evaluation.bringup.operator import Held
 from handcart.evaluation.bringup.rung import Facts, Rung, RungFailed
@@ -45,7 +46,7 @@ class GripperRung(Rung[RosSite]):
             for share in OPENING_RATIOS:
                 wanted = share * spec.opening_mm / 1e3
                 with site.operator.hold("gripper: hold the space bar; letting go stops it") as held:
-                    read, latency = _open_to(backend, wanted, spec.speed_mm_s / 1e3, held)
+                    read, latency = _open_to(backend, wanted, spec, held)
                 truth = backend.ground_truth()
                 key = f"width_at_{100 * share:.0f}_percent_mm"
                 question = f"How wide are the fingers open, by a ruler [mm]? (commanded: {1e3 * wanted:.0f})"
@@ -60,8 +61,10 @@ class GripperRung(Rung[RosSite]):
         return facts
 
 
-def _open_to(backend: RosBackend, width: float, speed: float, held: Held) -> tuple[float, float]:
-    """Open the fingers to a width in [m], and wait until they are at rest by their `speed` in [m/s].
+def _open_to(backend: RosBackend, width: float, spec: GripperSpec, held: Held) -> tuple[float, float]:
+    """Open the fingers to a width in [m], and wait until they are at rest by their speed.
+
+    A reading beyond the opening is in the wrong unit; no motion takes longer than all of the opening.
 
     Returns:
         The width in [m] that is read at rest, and the time in [s] from the command until the reading moved;
@@ -70,7 +73,7 @@ def _open_to(backend: RosBackend, width: float, speed: float, held: Held) -> tup
     gripper = backend.get(Gripper)  # type: ignore[type-abstract]
     assert gripper is not None, "the robot's file has one"
     begun, latency = gripper.width(), math.nan
-    seconds = abs(width - begun) / speed + SETTLE_S
+    seconds = min(abs(width - begun), spec.opening_mm / 1e3) / (spec.speed_mm_s / 1e3) + SETTLE_S
     for number in range(round(seconds / backend.period)):
         if not held():
             backend.stop()
