@@ -23,7 +23,7 @@ from tests.tools.console.conftest import LIVE, OVER, LiveRun, Served
 
 
 @pytest.fixture
-def console(served: Served, live: LiveRun) -> Served:
+def console(live: LiveRun, served: Served) -> Served:
     """Return a console with a running run, after taking the right to command."""
     served.wait_for()
     served.take()

@@ -63,7 +63,7 @@ def test_u3_another_host_s_name_is_refused(served: Served, host: str) -> None:
 @pytest.mark.parametrize(
     "kind", ["text/plain", "application/x-www-form-urlencoded", "multipart/form-data", None]
 )
-def test_u4_a_form_from_elsewhere_is_refused(served: Served, live: LiveRun, kind: str | None) -> None:
+def test_u4_a_form_from_elsewhere_is_refused(live: LiveRun, served: Served, kind: str | None) -> None:
     served.wait_for()
     path = f"/api/runs/{LIVE}/stop"
     assert served.ask("POST", path, b'{"do":"stop"}', Content_Type=kind).status == 403
@@ -76,7 +76,7 @@ def test_u4_a_form_from_elsewhere_is_refused(served: Served, live: LiveRun, kind
     "token", [None, "", "Bearer", "Bearer ", "Bearer wrong", "Basic {token}", "Bearer {token}x"]
 )
 def test_u5_without_the_token_nothing_is_told(
-    served: Served, live: LiveRun, token: str | None, caplog: pytest.LogCaptureFixture
+    live: LiveRun, served: Served, token: str | None, caplog: pytest.LogCaptureFixture
 ) -> None:
     served.wait_for()
     caplog.set_level(logging.DEBUG)
@@ -170,7 +170,7 @@ def test_a_page_is_opened_once_and_reaches_nothing(served: Served) -> None:
     assert served.ask("GET", url["url"], Authorization=None).status == 403
 
 
-def test_u11_a_huge_command_is_refused(served: Served, live: LiveRun) -> None:
+def test_u11_a_huge_command_is_refused(live: LiveRun, served: Served) -> None:
     served.wait_for()
     served.take()
     assert served.command(do="pause", by="x" * 20_000).status == 413
@@ -223,7 +223,7 @@ def test_u11_nonsense_is_refused_and_prints_nothing(
 
 @pytest.mark.usefixtures("few")
 def test_u11_a_stop_arrives_beside_a_hostile_crowd(
-    served: Served, live: LiveRun, monkeypatch: pytest.MonkeyPatch
+    live: LiveRun, served: Served, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Before each stop, more sockets that ask half a question than are kept; the places are taken by them."""
     monkeypatch.setattr(connections, "MOST_UNKNOWN", 100)
