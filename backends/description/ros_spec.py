@@ -68,6 +68,9 @@ class RosGpsSpec(RosTopicSpec):
     """Longitude of the task's origin, east positive (WGS 84)."""
     sigma_m: Annotated[float, Field(gt=0.0, le=100.0)] = 2.5
     """Sigma of a fix on each axis, if its message states none."""
+    silent_without_fix: bool = False
+    """True for a driver that publishes nothing while it has no fix, such as gpsd_client with
+    `check_fix_by_variance`: then only the end of its node is noticed, and not its silence."""
 
 
 class RosLensSpec(RosTopicSpec):

@@ -8,6 +8,7 @@ from handcart.backends.ros2.wire.ros_errors import NotOnTheAir
 from handcart.backends.ros2.wire.ros_link import Link
 
 from .goal_stream import GoalStream
+from .ros_gps import RosGps
 from .ros_topics import RosTopics
 from .wire.topic_sensor import TopicSensor
 
@@ -62,6 +63,14 @@ def other_masters(topics: RosTopics, link: Link) -> Iterator[str]:
 def restarted_servers(topics: RosTopics) -> Iterator[str]:
     """Yield a message for each action with another server than at the start."""
     yield from (stream.restart for stream in topics.streams if stream.restart)
+
+
+def ended_drivers(topics: RosTopics, link: Link) -> Iterator[str]:
+    """Yield a message for each topic whose driver may be silent, but is not on the air any more."""
+    for sensor in topics.sensors:
+        may_be_silent = isinstance(sensor, RosGps) and sensor.is_silent_without_fix
+        if may_be_silent and not link.publishers(sensor.source.topic):
+            yield f"{sensor.name}: nobody publishes it any more"
 
 
 def doubled_readings(topics: RosTopics, link: Link) -> Iterator[str]:
@@ -154,6 +163,8 @@ def _no_server(stream: GoalStream, link: Link) -> str:
 def silence(sensor: TopicSensor, link: Link) -> str:
     """Return a message that states why no valid readings arrive on the topic of a sensor."""
     topic, kind = sensor.source.topic, sensor.KIND
+    if sensor.doubt and not sensor.rejected:
+        return f"{sensor.name}: {sensor.doubt}"
     if sensor.rejected:
         return f"{sensor.name}: {sensor.rejected} messages were no good; of the last one, {sensor.doubt}"
     nodes = link.publishers(topic)

@@ -27,6 +27,7 @@ from .on_the_air import (
     DISCOVERY_S,
     await_robot,
     doubled_readings,
+    ended_drivers,
     other_masters,
     restarted_servers,
     unheard,
@@ -286,6 +287,8 @@ class RosBackend(Backend):
         self._looked = now
         if found := [*other_masters(topics, self._link), *restarted_servers(topics)]:
             raise RosFault("; ".join(found))
+        if ended := list(ended_drivers(topics, self._link)):
+            raise RosFault("; ".join(ended))
         doubled = list(doubled_readings(topics, self._link))
         self._single = self._single if doubled else now
         if now - self._single > DOUBLED_S:

@@ -8,52 +8,61 @@ from typing import Any
 import numpy as np
 from typing_extensions import override
 
-from handcart.backends.capabilities.gps import Fix, Gps
+from handcart.backends.capabilities.gps import Fix
 from handcart.backends.description.ros_spec import RosGpsSpec
-from handcart.backends.live.sensor_errors import StaleSensor
+from handcart.backends.live.live_gps import LiveGps
 from handcart.robotics.geometry.earth_frame import EarthFrame
 
+from .wire.messages import NO_FIX
 from .wire.topic_sensor import TopicSensor
 
-NO_FIX = -1
-"""`status.status` of a message without a fix."""
 NO_FIX_WORDS = "the receiver has no fix"
 UNKNOWN_COVARIANCE = 0
 
 
-class RosGps(TopicSensor, Gps):
+class RosGps(TopicSensor, LiveGps):
     """Satellite receiver whose fixes are received from a ROS topic.
 
     Positions are converted to a plane that touches the earth at the origin stated in the robot's file. A fix
     is returned only in the period in which it arrived.
 
-    A receiver without a fix is no fault. If for longer than `stale_ms` each message is dropped for another
-    reason, as when the receiver's time was set back, `fix` raises `StaleSensor`.
+    A receiver whose messages say that it has no fix is no fault. If for longer than `stale_ms` no message
+    comes, or each is dropped for another reason, as when the receiver's time was set back, `fix` raises
+    `StaleSensor`.
     """
 
     KIND = "sensor_msgs/NavSatFix"
 
-    def fit(self, spec: RosGpsSpec) -> None:
-        """Set the point on Earth that is the origin of the positions, before the first fix."""
+    def fit(self, spec: RosGpsSpec, period_s: float = 1.0) -> None:
+        """Prepare for the receiver of a robot's file, before the first fix.
+
+        Args:
+            spec: section with the point on Earth that is the origin of the positions.
+            period_s: time between two fixes, in [s].
+        """
         self._frame = EarthFrame(spec.origin_lat_deg, spec.origin_lon_deg)
         self._usual_sigma = spec.sigma_m
-        self._fix: Fix | None = None
-        self._refused_since: float | None = None
+        self.is_silent_without_fix = spec.silent_without_fix
+        self.set_period(period_s)
 
     @override
-    def fix(self) -> Fix | None:
-        if self._refused_since is not None and self._now - self._refused_since > self._stale:
-            raise StaleSensor(self.name, self.age, self._stale, self.doubt)
-        return self._fix
+    def forget(self) -> None:
+        super().forget()
+        self._fix, self._answered, self._waits_since = None, None, self._now
 
     @override
     def _take_in(self) -> None:
         self._fix, rejected = None, self.rejected
         super()._take_in()
-        if self._fix is not None or self.doubt == NO_FIX_WORDS:
-            self._refused_since = None
-        elif self.rejected > rejected and self._refused_since is None:
-            self._refused_since = self._now
+        if self.is_silent_without_fix and self.rejected == rejected and self.doubt in ("", NO_FIX_WORDS):
+            self._answer(self._fix)
+
+    @override
+    def _refuse(self, message: Any) -> None:
+        if self.doubt == NO_FIX_WORDS:
+            self._answer(None)
+        else:
+            super()._refuse(message)
 
     @override
     def _wrong(self, message: Any) -> str:
@@ -68,7 +77,7 @@ class RosGps(TopicSensor, Gps):
     def _read(self, messages: list[Any]) -> None:
         last = messages[-1]
         place = self._frame.to_field(float(last.latitude), float(last.longitude))
-        self._fix = Fix(np.array(place), self._sigma(last))
+        self._answer(Fix(np.array(place), self._sigma(last)))
 
     def _sigma(self, message: Any) -> float:
         """Return the receiver's sigma of the worse axis in [m]; the usual one if it states none."""

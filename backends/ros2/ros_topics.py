@@ -239,7 +239,7 @@ class RosTopics:
             yield unit
         if robot.gps is not None and spec.gps is not None:
             receiver = self._heard(RosGps, "the satellite receiver", spec.gps)
-            receiver.fit(spec.gps)
+            receiver.fit(spec.gps, robot.gps.period_s)
             receiver.sensor_name = robot.name_of(robot.gps)
             yield receiver
 

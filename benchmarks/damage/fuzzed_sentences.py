@@ -13,6 +13,7 @@ from handcart.backends.can.sensors.nmea_gps import NmeaGps
 from handcart.backends.can.sensors.sensor_lines import checksum
 from handcart.backends.capabilities.gps import Fix
 from handcart.backends.description.can_sensor_spec import GpsSource
+from handcart.backends.live.sensor_errors import StaleSensor
 
 MAX_DELAY_S = 2.0  # [s] that a sentence may be late, or ahead
 _BATCH = 1000  # sentences between two accounts
@@ -72,6 +73,8 @@ def fuzzed_sentences(count: int, seed: int = 0) -> Iterator[Account]:
             try:
                 receiver.advance()
                 fix = receiver.fix()
+            except StaleSensor:  # nothing sound for a while
+                fix = None
             except Exception:
                 wrong = traceback.format_exc()
                 break

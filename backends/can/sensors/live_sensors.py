@@ -107,4 +107,7 @@ def _open(key: str, robot: RobotFile, sensors: SensorsSpec, clock: Clock) -> Liv
     from .nmea_gps import NmeaGps
 
     assert sensors.gps is not None
-    return NmeaGps(sensors.gps, clock)
+    assert robot.gps is not None
+    receiver = NmeaGps(sensors.gps, clock)
+    receiver.set_period(robot.gps.period_s)
+    return receiver

@@ -9,16 +9,17 @@ import numpy as np
 from pyproj import Transformer
 from typing_extensions import override
 
-from handcart.backends.capabilities.gps import Fix, Gps
+from handcart.backends.capabilities.gps import Fix
 from handcart.backends.description.can_sensor_spec import GpsSource
-from handcart.backends.live.live_sensor import Clock, LiveSensor
+from handcart.backends.live.live_gps import LiveGps
+from handcart.backends.live.live_sensor import Clock
 
 from .line_port import LinePort
 from .nmea_sentence import NO_SATELLITE_FIXES, SATELLITE_FIXES, Accuracy, Position, read_sentence
 from .utc_order import UtcOrder
 
 
-class NmeaGps(LiveSensor, Gps):
+class NmeaGps(LiveGps):
     """Satellite receiver that reads the NMEA sentences GGA and, if sent, GST.
 
     Positions are in the plane that touches the earth at the origin stated in the robot's file; up to 10 km
@@ -37,11 +38,6 @@ class NmeaGps(LiveSensor, Gps):
         )
         self._order = UtcOrder(source.stale_ms / 1e3)
         self._accuracy: Accuracy | None = None
-        self._fix: Fix | None = None
-
-    @override
-    def fix(self) -> Fix | None:
-        return self._fix
 
     def _take_in(self) -> None:
         self._fix = None
@@ -62,20 +58,23 @@ class NmeaGps(LiveSensor, Gps):
                 self._accuracy = sentence
             elif sentence is not None:
                 self._take_position(sentence)
+            elif line[3:6] == b"GGA":  # intact, without a position
+                self._answer(self._fix)
         except ValueError:
             self.rejected += 1
 
     def _take_position(self, position: Position) -> None:
         if not self._is_good_enough(position):
+            self._answer(self._fix)
             return
         east, north = self._plane.transform(position.lon, position.lat)
         sigma = self._sigma(position)
         if not (math.isfinite(east) and math.isfinite(north) and 0.0 < sigma < math.inf):
             raise ValueError("no place")
         if not self._order.is_new(position.utc, self._now):
-            raise ValueError("an old one")
-        self._fix = Fix(np.array([east, north]), sigma)
-        self._good()
+            self.doubt = "its times of day do not advance with the clock of this machine"
+            raise ValueError(self.doubt)
+        self._answer(Fix(np.array([east, north]), sigma))
 
     def _is_good_enough(self, position: Position) -> bool:
         """Return whether a position's quality is enough for the robot's file; note the reason if not."""

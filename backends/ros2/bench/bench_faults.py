@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from handcart.files.errors import InputError
@@ -26,6 +26,7 @@ FAULT_KINDS = {
     "unanswered": "an action answers no goal",
 }
 DELAY_S = 0.5
+PICTURE_KIND = "sensor_msgs/Image"
 
 
 class TopicFault(NamedTuple):
@@ -77,11 +78,12 @@ class BenchFaults:
         """Add a fault to the planned faults of the simulated robot's topics and actions."""
         self._planned = (*self._planned, fault)
 
-    def check(self, topics: Sequence[str], actions: Sequence[str]) -> None:
-        """Raise `InputError` if a planned fault has no effect, because the bench has no such topic or action.
+    def check(self, topics: Mapping[str, str], actions: Sequence[str]) -> None:
+        """Raise `InputError` if a planned fault has no effect, because the bench has no such topic or action,
+        or its messages have no number that can be NaN.
 
         Args:
-            topics: names of the topics that the bench publishes.
+            topics: topics that the bench publishes, each with the type of its messages.
             actions: names of the actions that it serves.
         """
         for fault in self._planned:
@@ -89,6 +91,8 @@ class BenchFaults:
             if fault.topic not in names:
                 hint = suggest(fault.topic, list(names))
                 raise InputError(f"fault {fault.kind!r}: {fault.topic!r} is not {what} of this bench{hint}")
+            if fault.kind == "nan" and topics[fault.topic] == PICTURE_KIND:
+                raise InputError(f"fault 'nan' has no effect on pictures, such as {fault.topic!r}")
 
     def is_due(self, kind: str, name: str, now_s: float) -> bool:
         """Return True if a planned fault of a topic or action has begun.
@@ -168,3 +172,7 @@ def _spoil(message: Any) -> None:
         message.angular_velocity.x = math.nan
     elif hasattr(message, "angle_increment"):
         message.angle_increment = math.nan
+    elif hasattr(message, "latitude"):
+        message.latitude = math.nan
+    elif hasattr(message, "k"):
+        message.k[0] = math.nan

@@ -19,7 +19,7 @@ from handcart.backends.capabilities.imu import Imu
 from handcart.backends.capabilities.range_sensor import RangeSensor
 from handcart.backends.description.ros_spec import RosGpsSpec
 from handcart.backends.description.sensor_specs import RangeSpec
-from handcart.backends.ros2.wire.messages import set_stamp
+from handcart.backends.ros2.wire.messages import NO_FIX, set_stamp
 from handcart.backends.ros2.wire.ros_link import Link
 from handcart.robotics.geometry.earth_frame import EarthFrame
 from handcart.robotics.geometry.pose2 import Pose2
@@ -114,6 +114,14 @@ def imu_message(link: Link, now: float, robot: Backend, factor: float = 1.0) -> 
         (message.linear_acceleration, factor * unit.accelerations()),
     ):
         vector.x, vector.y, vector.z = map(float, values)
+    return message
+
+
+def no_fix_message(link: Link, now: float) -> Any:
+    """Return a `NavSatFix` of a receiver without a fix; `now` is the time of ROS for its stamp, in [s]."""
+    message = _stamped(link, "sensor_msgs/NavSatFix", now, "gps")
+    message.status.status = NO_FIX
+    message.latitude = message.longitude = message.altitude = math.nan
     return message
 
 

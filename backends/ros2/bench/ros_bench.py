@@ -14,7 +14,6 @@ from handcart.backends.capabilities.base import Base, DriveCommand, HolonomicBas
 from handcart.backends.capabilities.camera import Camera
 from handcart.backends.capabilities.capability import Capability
 from handcart.backends.capabilities.depth_camera import DepthCamera
-from handcart.backends.capabilities.gps import Gps
 from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.description.robot_file import RobotFile
 from handcart.backends.description.ros_spec import RosSpec
@@ -34,13 +33,13 @@ from .bench_frames import BenchFrames
 from .bench_messages import (
     camera_info_message,
     depth_messages,
-    fix_message,
     image_message,
     imu_message,
     odometry_message,
     scan_message,
     state_message,
 )
+from .bench_receiver import BenchReceiver
 from .late_commands import LateCommands
 from .local_air import LocalLink
 from .robot_differences import RobotDifferences
@@ -99,6 +98,7 @@ class RosBench:
         self._late_fingers = LateCommands(round(self._true.finger_latency_s / robot.period_s))
         self._wheels = WheelOdometry(robot.drive)
         self._frames = BenchFrames(robot, spec, inner, link)
+        self._satellites = BenchReceiver(robot, spec, inner, link)
         self._send = self._publishers()
         self._served: tuple[ServedJoints, ...] = ()
         self._listen()
@@ -151,6 +151,7 @@ class RosBench:
         set_attributes(self._wheels, WheelOdometry.STATE, state["wheels"])
         for joints in self._served:
             set_attributes(joints, joints.STATE, state[joints.name])
+        self._satellites.begin(self.time)
 
     def close(self) -> None:
         """Close the connection to the topics and the simulated robot."""
@@ -166,7 +167,7 @@ class RosBench:
         return DriveCommand() if late else self._command
 
     def _check_faults(self) -> None:
-        self._faults.check(list(self._send), [joints.name for joints in self._served])
+        self._faults.check(self._kinds(), [joints.name for joints in self._served])
 
     def _describe(self) -> None:
         """Publish the URDF, and the SRDF if there is one, as robot_state_publisher and MoveIt do."""
@@ -277,9 +278,7 @@ class RosBench:
             )
         if robot.imu is not None:
             found[spec.imu.topic] = imu_message(link, now, self.inner, self._true.factor("imu"))
-        receiver = self.inner.get(Gps)  # type: ignore[type-abstract]
-        if spec.gps is not None and receiver is not None and (fix := receiver.fix()) is not None:
-            found[spec.gps.topic] = fix_message(link, now, spec.gps, fix)
+        found |= self._satellites.messages(now, self.time)
         found |= self._pictures(now)
         return found
 
@@ -349,8 +348,12 @@ class RosBench:
         return per_m * self._true.factor("gripper")
 
     def _publishers(self) -> Mapping[str, Any]:
-        spec, link = self._spec, self._link
-        kinds = {
+        return {topic: self._link.publisher(kind, topic) for topic, kind in self._kinds().items()}
+
+    def _kinds(self) -> Mapping[str, str]:
+        """Return the message type of each topic of readings."""
+        spec = self._spec
+        return {
             **({spec.odometry.topic: "nav_msgs/Odometry"} if spec.odometry.type == "Odometry" else {}),
             **self._frames.topics,
             spec.joint_states.topic: "sensor_msgs/JointState",
@@ -359,7 +362,6 @@ class RosBench:
             **self._picture_kinds(),
             **({} if spec.gps is None else {spec.gps.topic: "sensor_msgs/NavSatFix"}),
         }
-        return {topic: link.publisher(kind, topic) for topic, kind in kinds.items()}
 
     def _picture_kinds(self) -> Mapping[str, str]:
         """Return the type of each topic of the cameras."""

@@ -13,6 +13,8 @@ from handcart.backends.description.ros_spec import RosVelocitySpec
 from .goals import GoalSender
 from .ros_link import Link
 
+NO_FIX = -1
+"""`status.status` of a `NavSatFix` without a fix."""
 TRAJECTORY_ACTION, GRIPPER_ACTION = "control_msgs/FollowJointTrajectory", "control_msgs/GripperCommand"
 URDF_TOPIC, SRDF_TOPIC = "robot_description", "robot_description_semantic"
 """Topics by which a robot describes itself, latched."""

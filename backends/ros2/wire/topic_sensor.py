@@ -78,13 +78,17 @@ class TopicSensor(LiveSensor):
         for message in arrived:
             self.doubt = self._wrong_header(message) or self._wrong(message)
             if self.doubt:
-                self.rejected += 1
+                self._refuse(message)
             else:
                 good.append(message)
         if good:
             self._good()
             self._step_words = ""
             self._read(good)
+
+    def _refuse(self, message: Any) -> None:
+        """Count a dropped message; `doubt` has the reason."""
+        self.rejected += 1
 
     @abstractmethod
     def _wrong(self, message: Any) -> str:

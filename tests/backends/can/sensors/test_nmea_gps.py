@@ -12,6 +12,7 @@ from benchmarks.damage.fuzzed_sentences import fuzzed_sentences
 from handcart.backends.can.sensors.nmea_gps import NmeaGps
 from handcart.backends.can.sensors.sensor_lines import checksum
 from handcart.backends.can.sensors.utc_order import UtcOrder
+from handcart.backends.capabilities.gps import Fix
 from handcart.backends.description.can_sensor_spec import GpsSource
 from handcart.backends.live.sensor_errors import StaleSensor
 
@@ -28,6 +29,14 @@ def gga(utc: str, **fields: str) -> bytes:
     fields = {"lat": "4800.1", "lon": "01100.1", "quality": "1", "hdop": "0.9"} | fields
     place = f"{fields['lat']},N,{fields['lon']},E,{fields['quality']},08,{fields['hdop']}"
     return nmea(f"GPGGA,{utc},{place},545.4,M,46.9,M,,")
+
+
+def read(receiver: NmeaGps) -> Fix | None:
+    """Return the fix of this period; None also if the receiver is silent."""
+    try:
+        return receiver.fix()
+    except StaleSensor:
+        return None
 
 
 @pytest.fixture
@@ -154,7 +163,7 @@ def test_s5_a_sentence_counts_once(device: Device, receiver: NmeaGps, clock: Any
     for _ in range(50):
         device.say(gga("123519.00"))
         receiver.advance()
-        taken += receiver.fix() is not None
+        taken += read(receiver) is not None
         clock.now += 0.1
     assert taken == 1
     assert receiver.rejected == 49
@@ -170,7 +179,7 @@ def test_s5_an_old_sentence_does_not_count(device: Device, receiver: NmeaGps, cl
         clock.now += 1.0
         device.say(gga(str(int(old) + second).zfill(6)))
         receiver.advance()
-        assert (receiver.fix() is not None) == (old == "123518" and second == 2), second
+        assert (read(receiver) is not None) == (old == "123518" and second == 2), second
 
 
 def test_s5_what_was_held_back_does_not_count(device: Device, receiver: NmeaGps, clock: Any) -> None:
@@ -182,7 +191,7 @@ def test_s5_what_was_held_back_does_not_count(device: Device, receiver: NmeaGps,
         device.say(gga(f"1235{second:02d}"))
         receiver.advance()
         # 2 s are allowed
-        assert (receiver.fix() is not None) is (second >= 8)
+        assert (read(receiver) is not None) is (second >= 8)
 
 
 def test_a_jump_ahead_counts_when_more_bear_it_out(device: Device, receiver: NmeaGps, clock: Any) -> None:
@@ -191,7 +200,7 @@ def test_a_jump_ahead_counts_when_more_bear_it_out(device: Device, receiver: Nme
     for utc in (120000, 120001, 180002, 120003, *range(130004, 130010), 120010):
         device.say(gga(str(utc)))
         receiver.advance()
-        seen.append(receiver.fix() is not None)
+        seen.append(read(receiver) is not None)
         clock.now += 1.0
     assert seen == [True, True, False, True, False, False, False, False, True, True, False]
 
@@ -204,6 +213,47 @@ def test_one_that_came_sooner_makes_the_others_no_later() -> None:
         order.is_new(100.0 + 2.0 * second, 10.0 + 2.0 * second - sooner)
     assert order.is_new(120.0, 30.0 + 1.8)
     assert not order.is_new(130.0, 40.0 + 1.95)
+
+
+NO_FIXES = (gga("123519", quality="0"), gga("123519", quality="6"), nmea("GPGGA,123519,,,,,0,00,99.99,,,,,,"))
+
+
+@pytest.mark.parametrize("sentence", NO_FIXES)
+def test_a_receiver_without_a_fix_is_no_fault_and_a_silent_one_is(
+    device: Device, receiver: NmeaGps, clock: Any, sentence: bytes
+) -> None:
+    for _ in range(60):
+        clock.now += 1.0
+        device.say(sentence)
+        receiver.advance()
+        assert receiver.fix() is None
+    clock.now += 2.1
+    device.say(nmea("GPZZZ,1"))
+    receiver.advance()
+    with pytest.raises(StaleSensor, match="the satellite receiver: its last reading is 2100 ms old"):
+        receiver.fix()
+
+
+def test_a_receiver_that_never_says_anything_is_silent(receiver: NmeaGps, clock: Any) -> None:
+    clock.now += 2.0
+    receiver.advance()
+    assert receiver.fix() is None
+    clock.now += 0.1
+    receiver.advance()
+    with pytest.raises(StaleSensor, match="no reading has come yet; allowed: 2000 ms"):
+        receiver.fix()
+
+
+def test_a_frozen_receiver_is_stale_with_the_reason(device: Device, receiver: NmeaGps, clock: Any) -> None:
+    for _ in range(3):
+        device.say(gga("123519"))
+        receiver.advance()
+        assert receiver.rejected < 3
+        clock.now += 1.0
+    device.say(gga("123519"))
+    receiver.advance()
+    with pytest.raises(StaleSensor, match="its times of day do not advance"):
+        receiver.fix()
 
 
 def test_south_and_west(device: Device, receiver: NmeaGps) -> None:
