@@ -216,12 +216,12 @@ class MoveTo(ActionPrimitive):
 
     def _replanned(self, robot: Robot, tracker: PathTracker | CarTracker) -> Periods:
         """Change the tracker's route where what is sensed asks for it; back off if the base is pinned."""
-        if self._local is None or not isinstance(tracker, PathTracker):
+        if (local := self._local) is None or not isinstance(tracker, PathTracker):
             return
-        self._local.update(robot, tracker)
-        self._blocked_since = self._local.waits_since
-        if self._local.pinned(robot):
-            yield from self._local.back_off(robot, tracker)
+        local.update(robot, tracker)
+        self._blocked_since = local.waits_since
+        if local.pinned(robot):
+            yield from local.back_off(robot, tracker)
 
     def _command(self, robot: Robot, tracker: PathTracker | CarTracker, looks: bool) -> tuple[float, ...]:
         """Return the drive command along the route; to hold before obstacles and for scans at rest."""
@@ -339,17 +339,18 @@ class MoveTo(ActionPrimitive):
 
     def _watch_local(self, robot: Robot) -> None:
         """Add this period's scan; raise `Discrepancy` if no route has led on for `wait_s`."""
-        assert self._local is not None
-        self._local.sense(robot)
+        local = self._local
+        assert local is not None
+        local.sense(robot)
         if self._restores:
             self._watch_way_back(robot)
             return
         if self._blocked_since is None or robot.time < self._blocked_since + self.wait_s:
             return
-        rows = self._local.people.people.rows
-        self.evidence.points |= {"sensed": self._local.points, "ahead": self._ahead, "people": rows}
-        self._local.keep()
-        raise self._local.give_up_waiting(self._ahead)
+        rows = local.people.people.rows
+        self.evidence.points |= {"sensed": local.points, "ahead": self._ahead, "people": rows}
+        local.keep()
+        raise local.give_up_waiting(self._ahead)
 
     def _watch_way_back(self, robot: Robot) -> None:
         """Hold while an obstacle is on the way back; `restore` then takes another way."""

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 
 from handcart.backends.description.simulated_errors import Errors
 from handcart.backends.simulation.noise.keyed_noise import keyed
-from handcart.robotics.numerics.arrays import ByteArray, FloatArray, SingleArray
+from handcart.robotics.numerics.arrays import ByteArray, Int16Array, SingleArray, Uint16Array
 from handcart.robotics.perception.cameras.camera_model import CameraModel
 from handcart.robotics.perception.cameras.lens_fold import LensKind
 
@@ -30,24 +31,21 @@ class Lens:
     def __init__(self, camera: CameraModel, errors: Errors, seed: int) -> None:
         self._seed, self._errors = seed, errors
         self._shape = (camera.height, camera.width)
-        rows, columns = np.indices(self._shape, dtype=np.float64)
-        rays = _rays(camera.K.tobytes(), camera.distortion.tobytes(), *self._shape, camera.lens)
-        focal = camera.K[0, 0]
-        low, high = np.floor(rays.min(axis=0) * focal) - 2, np.ceil(rays.max(axis=0) * focal) + 2
-        self.size = (int(high[0] - low[0]) + 1, int(high[1] - low[1]) + 1)
-        self.K = np.array([[focal, 0.0, -low[0]], [0.0, focal, -low[1]], [0.0, 0.0, 1.0]])
-        source = (rays * focal - low).astype(np.float32).reshape(*self._shape, 2)
-        columns_of, rows_of = (np.ascontiguousarray(source[..., i]) for i in (0, 1))
-        self._maps = cv2.convertMaps(columns_of, rows_of, cv2.CV_16SC2)
-        self._gain = self._light(rows, columns)
+        sources = _sources(camera.K.tobytes(), camera.distortion.tobytes(), *self._shape, camera.lens)
+        self._maps, self.size = sources.maps, sources.size
+        focal, (left, top) = camera.K[0, 0], sources.corner
+        self.K = np.array([[focal, 0.0, -left], [0.0, focal, -top], [0.0, 0.0, 1.0]])
+        self._gain = self._light()
         tile = (self._shape[0] + _SPARE, self._shape[1] + _SPARE)
         noise = keyed(seed, "noise tile").standard_normal(tile, dtype=np.float32)
         self._noise = noise * np.float32(errors.image_noise_grey)
 
-    def _light(self, rows: FloatArray, columns: FloatArray) -> SingleArray:
+    def _light(self) -> SingleArray:
+        """Return the gain (h, w) of each pixel."""
         angle = keyed(self._seed, "light").uniform(-math.pi, math.pi)
         height, width = self._shape
-        across = (columns / width - 0.5) * math.cos(angle) + (rows / height - 0.5) * math.sin(angle)
+        columns, rows = np.arange(width) / width - 0.5, np.arange(height) / height - 0.5
+        across = columns * math.cos(angle) + (rows * math.sin(angle))[:, None]
         return (1.0 + self._errors.light_gradient * across).astype(np.float32)
 
     def take(self, ideal: ByteArray, period: int) -> ByteArray:
@@ -67,9 +65,20 @@ class Lens:
         return cv2.convertScaleAbs(np.maximum(noisy, 0.0)).astype(np.uint8, copy=False)
 
 
+class _Sources(NamedTuple):
+    """Points of an ideal picture that a camera's pixels show."""
+
+    maps: tuple[Int16Array, Uint16Array]
+    """Points as OpenCV's `remap` takes them in whole numbers: (h, w, 2) and (h, w)."""
+    size: tuple[int, int]
+    """Width and height of the ideal picture, in [px]."""
+    corner: tuple[float, float]
+    """Column and row of the ideal picture's first pixel, from where the optical axis meets it, in [px]."""
+
+
 @lru_cache(maxsize=4)
-def _rays(K: bytes, distortion: bytes, height: int, width: int, lens: LensKind) -> FloatArray:
-    """Return the rays (n, 2) of all pixels, row by row: x and y at depth 1; cached because they are costly.
+def _sources(K: bytes, distortion: bytes, height: int, width: int, lens: LensKind) -> _Sources:
+    """Return the points that all pixels show; cached because they are costly.
 
     Args:
         K: (3, 3) camera matrix in [px], as bytes.
@@ -80,4 +89,12 @@ def _rays(K: bytes, distortion: bytes, height: int, width: int, lens: LensKind) 
     """
     camera = CameraModel(np.frombuffer(K).reshape(3, 3), np.frombuffer(distortion), width, height, lens)
     rows, columns = np.indices((height, width), dtype=np.float64)
-    return camera.undistort(np.column_stack((columns.ravel(), rows.ravel())))
+    rays = camera.undistort(np.column_stack((columns.ravel(), rows.ravel())))
+    focal = camera.K[0, 0]
+    low, high = np.floor(rays.min(axis=0) * focal) - 2, np.ceil(rays.max(axis=0) * focal) + 2
+    source = (rays * focal - low).astype(np.float32).reshape(height, width, 2)
+    columns_of, rows_of = (np.ascontiguousarray(source[..., i]) for i in (0, 1))
+    whole, rest = cv2.convertMaps(columns_of, rows_of, cv2.CV_16SC2)
+    maps = np.asarray(whole, dtype=np.int16), np.asarray(rest, dtype=np.uint16)
+    size = int(high[0] - low[0]) + 1, int(high[1] - low[1]) + 1
+    return _Sources(maps, size, (float(low[0]), float(low[1])))

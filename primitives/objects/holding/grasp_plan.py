@@ -57,6 +57,19 @@ class GraspChoice(NamedTuple):
     tried: int
 
 
+class _ModelsAmong:
+    """Collision models of arms among the same bodies; each is made once, as many grasps open a hand alike."""
+
+    def __init__(self, around: Sequence[Solid]) -> None:
+        self._around, self._made = tuple(around), dict[ArmModel, CollisionModel]()
+
+    def of(self, arm: ArmModel) -> CollisionModel:
+        """Return the model of an arm."""
+        if arm not in self._made:
+            self._made[arm] = CollisionModel(arm, self._around, margin=ARM_MARGIN_M)
+        return self._made[arm]
+
+
 def plan_grasps(
     robot: Robot, kind: ObjectKind, base_T_object: Transform, around: Sequence[Solid], target: Solid
 ) -> GraspChoice:
@@ -73,7 +86,7 @@ def plan_grasps(
     """
     spec = robot.spec.gripper
     opening = spec.opening_mm / 1e3 if spec is not None else 0.0
-    here = robot.arm.command()
+    here, with_target, without = robot.arm.command(), _ModelsAmong((*around, target)), _ModelsAmong(around)
     found: list[tuple[float, FloatArray, Grasp]] = []
     tried = reached = 0
     for grasp in kind.grasps_within(opening, robot.spec.finger_shape.tip, base_T_object):
@@ -83,8 +96,8 @@ def plan_grasps(
         ahead = grip @ transform((-GRASP_APPROACH_M, 0.0, 0.0))
         postures = _some(arm, ahead, here)
         reached += bool(postures)
-        lined_up = CollisionModel(arm, (*around, target), margin=ARM_MARGIN_M)
         for before in postures:
+            lined_up = with_target.of(arm)
             if not lined_up.in_collision(before):
                 price = TILT_PRICE_M * abs(grasp.tilt) + SIDE_PRICE_M * (grasp.face != "+z")
                 score = min(GOOD_CLEARANCE_M, lined_up.distance(before)) - price
@@ -92,7 +105,7 @@ def plan_grasps(
     found.sort(key=lambda entry: -entry[0])
     planned = []
     for _, before, grasp in found[:GRASPS_TRIED]:
-        one = _free_way(robot, grasp, before, base_T_object, around, opening)
+        one = _free_way(robot, grasp, before, base_T_object, without, opening)
         if one is not None:
             planned.append(one)
     planned.sort(key=lambda item: -_rank(item))
@@ -109,7 +122,7 @@ def _free_way(
     grasp: Grasp,
     before: FloatArray,
     base_T_object: Transform,
-    around: Sequence[Solid],
+    around: _ModelsAmong,
     opening: float,
 ) -> PlannedGrasp | None:
     """Return the grasp if a straight free line leads to it, and one up again; None otherwise.
@@ -119,11 +132,11 @@ def _free_way(
         grasp: the grasp, relative to the object.
         before: (n,) joints where the hand lines up, in [rad] or [m].
         base_T_object: (4, 4) pose of the object.
-        around: bodies that the arm must not touch, in the base frame.
+        around: models of arms among the bodies that must not be touched.
         opening: largest opening of the fingers, in [m].
     """
     arm = _with_opening(robot, min(opening, grasp.width + OPENING_CLEARANCE_M))
-    collision = CollisionModel(arm, around, margin=ARM_MARGIN_M)
+    collision = around.of(arm)
     grip = base_T_object @ grasp.box_T_hand
     line = plan_straight(arm, before, grip, STRAIGHT_STEP_M, collision)
     if line is None:

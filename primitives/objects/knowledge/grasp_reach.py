@@ -138,7 +138,7 @@ def missed_words(
         file: objects and surfaces.
         places: places of the base, by surface.
     """
-    arm = robot.arm_model()
+    arm = robot.described_arm
     for name, place in places.items():
         reach = GraspReach(robot, arm, file.surfaces[name], place.pose)
         for work in grasp_work(file, name):

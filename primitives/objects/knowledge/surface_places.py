@@ -73,7 +73,7 @@ def standing_place(
     Raises:
         NoStandingPlace: no floor next to the surface is free, or the arm reaches all work from no place.
     """
-    surface, arm = file.surfaces[name], robot.arm_model()
+    surface, arm = file.surfaces[name], robot.described_arm
     work = _work(file, name)
     free = _free(robot, grid, list(_around(robot, surface, work)), places)
     if not free:

@@ -39,7 +39,7 @@ def unread_words(
     spec = next(iter(robot.all_of(CameraSpec).values()), None)
     if spec is None or robot.hand_camera is not None:
         return
-    arm = robot.arm_model()
+    arm = robot.described_arm
     camera, home = known_camera(spec, mount_of(robot, spec, arm)), np.array(robot.posture("home"))
     for name, place in places.items():
         for work in grasp_work(file, name):

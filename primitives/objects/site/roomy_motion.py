@@ -89,9 +89,17 @@ def surroundings_to_try(
         without: name of an object that is left out.
         open_areas: outlines (n, 2) on the map, in [m], of areas without walls: those of doors.
     """
+    return _with_walls(robot, model, walls_to_try(robot, model, open_areas), without, bool(open_areas))
+
+
+def _with_walls(
+    robot: Robot, model: ModelView, walls: Sequence[tuple[Solid, ...]], without: str, opens: bool
+) -> list[tuple[Solid, ...]]:
+    """Return the sets of `surroundings_to_try` with the sets of walls of `walls_to_try`; `opens`: True for a
+    door.
+    """
     known = [surroundings(robot, model, without, room) for room in rooms(robot, model)]
-    walls = walls_to_try(robot, model, open_areas)
-    last = [(*known[-1], *certain_walls(robot, model))] if walls and not open_areas else known
+    last = [(*known[-1], *certain_walls(robot, model))] if walls and not opens else known
     return [*[(*bodies, *around) for around in walls for bodies in known], *last]
 
 
@@ -155,8 +163,8 @@ def _attempts(
     """Return the sets of obstacles to plan with, in their order, each with whether an arm that is too close
     to one may stay as close; see `surroundings_to_try`.
     """
-    tried = surroundings_to_try(robot, model, without, open_areas)
     walls = walls_to_try(robot, model, open_areas)
+    tried = _with_walls(robot, model, walls, without, bool(open_areas))
     count = len(walls) * len(rooms(robot, model))
     walled, last = tried[:count], tried[count:]
     is_certain = bool(walls) and not open_areas

@@ -73,8 +73,7 @@ def _rectangles(cells: BoolArray) -> list[tuple[int, int, int, int]]:
     """Return rectangles that cover the occupied cells exactly: first row and column, last ones plus 1."""
     growing: dict[tuple[int, int], int] = {}
     done: list[tuple[int, int, int, int]] = []
-    for row in range(len(cells) + 1):
-        runs = _runs(cells[row]) if row < len(cells) else set()
+    for row, runs in enumerate([*_runs(cells), set()]):
         ended = [run for run in growing if run not in runs]
         done += [(growing.pop(run), run[0], row, run[1]) for run in ended]
         for run in sorted(runs):
@@ -82,10 +81,16 @@ def _rectangles(cells: BoolArray) -> list[tuple[int, int, int, int]]:
     return done
 
 
-def _runs(row: BoolArray) -> set[tuple[int, int]]:
-    """Return the first column and the last one plus 1 of each run of occupied cells in a row (w,)."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], row, [False]]).astype(np.int8)))
-    return {(int(first), int(end)) for first, end in edges.reshape(-1, 2)}
+def _runs(cells: BoolArray) -> list[set[tuple[int, int]]]:
+    """Return the first column and the last one plus 1 of each run of occupied cells, for each row."""
+    beside = np.pad(cells, ((0, 0), (1, 1)))
+    rows, columns = np.nonzero(beside[:, 1:] != beside[:, :-1])
+    runs: list[set[tuple[int, int]]] = [set() for _ in cells]
+    for row, first, end in zip(
+        rows[::2].tolist(), columns[::2].tolist(), columns[1::2].tolist(), strict=True
+    ):
+        runs[row].add((first, end))
+    return runs
 
 
 def _on_floor(rectangle: tuple[int, int, int, int], corner: FloatArray, side: float) -> FloorBox:

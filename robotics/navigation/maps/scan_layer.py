@@ -185,7 +185,9 @@ def _has_scores(scores: Int8Array, start: FloatArray, ends: FloatArray) -> bool:
     height, width = scores.shape
     first, last = max(0, math.floor(left)), min(width, math.floor(right) + 1)
     for row in range(max(0, math.floor(low)), min(height, math.floor(high) + 1)):
-        for column in range(first, last):
-            if scores[row, column] > 0:
-                return True
+        highest = np.int8(0)
+        for column in range(first, last):  # without a branch: many cells are compared at once
+            highest = max(highest, scores[row, column])
+        if highest > 0:
+            return True
     return False
