@@ -26,6 +26,7 @@ from handcart.evaluation.viewing.drawing.place_arrows import draw_places
 from handcart.evaluation.viewing.drawing.plain_text import plain
 from handcart.evaluation.viewing.drawing.track_lines import track_lines
 from handcart.networks.journal.journal_record import read_journal
+from handcart.networks.run_files.run_names import OVERVIEW_FILE
 from handcart.networks.run_files.telemetry import RunTrack, load_track
 from handcart.networks.runs.evidence_files import EVIDENCE_FOLDER, evidence_order
 from handcart.networks.runs.flight_recorder import READINGS_SUFFIX
@@ -116,7 +117,7 @@ def draw_overview(
         axes["picture"].set_axis_off()
     figure.draw_without_rendering()  # fixes the layout, on which the free space for names depends
     _draw_places(axes["map"], places)
-    path = run_dir / "overview.svg"
+    path = run_dir / OVERVIEW_FILE
     save_figure(figure, path)
     for stretch in stretches:
         if stretch.outcome != "Success":

@@ -14,6 +14,10 @@ from .run_folder import JOURNAL_FILE, NoRun, read_file
 LATEST_LINK = "latest"
 """Name of the link next to the runs to the one that was begun last."""
 SUMMARY_FILE = "summary.json"
+REPORT_FILE = "report.html"
+OVERVIEW_FILE = "overview.svg"
+FILES_OF_AN_END = (SUMMARY_FILE, REPORT_FILE, OVERVIEW_FILE)
+"""Files of a run's folder that say how the run ended."""
 GENERIC_STEM = "task"
 """Stem of a task's file that is less specific than its folder's name."""
 _HEADER = 16 * 2**20  # of a journal, in [bytes]: a header holds its task's network

@@ -29,7 +29,7 @@ from handcart.networks.journal.journal_record import JournalError
 from handcart.networks.journal.syncing import Sync
 from handcart.networks.operator.operation import Operation
 from handcart.networks.operator.permits import Permits
-from handcart.networks.run_files.run_names import SUMMARY_FILE
+from handcart.networks.run_files.run_names import FILES_OF_AN_END, SUMMARY_FILE
 from handcart.networks.run_files.telemetry import Telemetry
 from handcart.networks.task.preparing import Prepared
 from handcart.networks.task.preparing import prepare as prepare
@@ -171,8 +171,9 @@ def _journal(prepared: Prepared, run_dir: Path, options: RunOptions, past: Past 
     journal = Journal.go_on(path, past.contents, sync)
     for kind, fields, wall in past.resume_records:
         journal.append(kind, prepared.robot.time, fields, process_facts() if kind == "EPOCH" else wall)
-    with suppress(OSError):
-        (run_dir / SUMMARY_FILE).unlink()  # of an earlier end, which no longer is the run's
+    for name in FILES_OF_AN_END:
+        with suppress(OSError):
+            (run_dir / name).unlink()  # of an earlier end, which no longer is the run's
     return journal
 
 

@@ -21,12 +21,13 @@ from handcart.networks.operator.view_address import view_address
 from handcart.networks.past_runs.hindsight import choice_of, counts_now
 from handcart.networks.past_runs.past_run import read_run
 from handcart.networks.run_files.run_folder import read_run_journal
+from handcart.networks.run_files.run_names import REPORT_FILE
 from handcart.networks.runs.evidence_files import evidence_order
 from handcart.networks.task.task_file import load_task
 
 EVIDENCE_PATH = "evidence"
 EVIDENCE_SUFFIXES = (".png", ".jpg", ".jpeg")
-RUN_PAGES = ("report.html",)
+RUN_PAGES = (REPORT_FILE,)
 MOST_ACTIONS = 500
 """Maximum number of actions that the page shows, the last ones; a run's report has all."""
 

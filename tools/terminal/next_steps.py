@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from handcart.files.shown_path import shown_path
+from handcart.networks.run_files.run_names import REPORT_FILE
 
-REPORT_PAGE = "report.html"
 EXPLAIN, VIEW = "handcart explain {}", "handcart view {}"
 RESUME_COMMAND = "handcart resume {}"
 STEPS_BY_OUTCOME = {
@@ -38,4 +38,4 @@ def next_steps(summary: Mapping[str, Any]) -> list[str]:
     folder = Path(str(summary["run_dir"]))
     run = shlex.quote(str(folder))
     steps = [step.format(run) for step in STEPS_BY_OUTCOME.get(str(summary["outcome"]), (EXPLAIN,))]
-    return [*steps, str(folder / REPORT_PAGE)] if (folder / REPORT_PAGE).is_file() else steps
+    return [*steps, str(folder / REPORT_FILE)] if (folder / REPORT_FILE).is_file() else steps

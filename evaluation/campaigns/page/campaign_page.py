@@ -21,10 +21,10 @@ from handcart.evaluation.campaigns.statistics.claim import Settling
 from handcart.evaluation.campaigns.statistics.divergence import first_difference
 from handcart.evaluation.campaigns.statistics.exact_value import compare_share, exact_goal, file_chances
 from handcart.evaluation.campaigns.statistics.rerun import rerun
-from handcart.evaluation.viewing.report.report import REPORT_FILE, write_report
+from handcart.evaluation.viewing.report.report import write_report
 from handcart.files.errors import HandcartError
 from handcart.files.whole_file import write_whole
-from handcart.networks.run_files.run_names import GENERIC_STEM
+from handcart.networks.run_files.run_names import GENERIC_STEM, REPORT_FILE
 
 from .plots import histogram, share_axis
 from .trial_table import TrialTable, constant, short

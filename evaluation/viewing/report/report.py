@@ -26,9 +26,8 @@ from handcart.networks.drawing.network_picture import draw_network
 from handcart.networks.drawing.svg import to_svg
 from handcart.networks.past_runs.past_run import PastRun, read_run
 from handcart.networks.run_files.run_folder import read_file
+from handcart.networks.run_files.run_names import OVERVIEW_FILE, REPORT_FILE
 
-REPORT_FILE = "report.html"
-OVERVIEW_FILE = "overview.svg"
 MAX_FILE_BYTES = 16 * 2**20  # of a picture or the summary
 MAX_WIDTH_PX = 640  # of an action's picture
 JPEG_QUALITY = 80

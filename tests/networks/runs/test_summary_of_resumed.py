@@ -1,4 +1,4 @@
-"""The summary of a run that is resumed."""
+"""What a run that is resumed says of its end."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 from typing_extensions import override
 
 from handcart.networks.events.run_observer import RunObserver
-from handcart.networks.run_files.run_names import list_runs
+from handcart.networks.run_files.run_names import OVERVIEW_FILE, REPORT_FILE, list_runs
 from handcart.networks.runs.run import execute
 from handcart.networks.runs.run_options import RunOptions
 from handcart.networks.task.preparing import Prepared
@@ -29,6 +29,10 @@ def test_an_earlier_end_is_not_that_of_a_resumed_run(run: UnfinishedRun) -> None
     outcomes = Outcomes(run.folder.parent)
     run.cut("START", 1)
     run.forget()
+    pages = [run.folder / name for name in (REPORT_FILE, OVERVIEW_FILE)]
+    for page in pages:
+        page.write_text("of the earlier end", encoding="utf-8")
     execute(run.prepare(), run.folder, RunOptions(observers=(outcomes,), sync=False), run.past())
     assert outcomes.seen == [""]
+    assert not any(page.exists() for page in pages)
     assert [item.outcome for item in list_runs(run.folder.parent)] == ["Success"]
