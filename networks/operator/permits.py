@@ -27,7 +27,8 @@ class Permits:
             step: True to ask the operator before every action.
             breaks: situations before whose actions the operator is asked.
         """
-        self._mode = mode
+        self.mode = mode
+        """Rule for actions with `permit: operator`."""
         self.step = step
         """True if the operator is asked before every action; may change during the run."""
         self._breaks = set(breaks)
@@ -72,7 +73,7 @@ class Permits:
         """Return yes, no, or None while no answer has come."""
         if not self._is_asked(action):
             self._asks, self._answer = None, None
-            return not (action.permit and self._mode == "never")
+            return not (action.permit and self.mode == "never")
         if self._asks is not action:
             self._asks, self._answer = action, None
             self.asked += 1
@@ -83,4 +84,4 @@ class Permits:
         return answer
 
     def _is_asked(self, action: Action) -> bool:
-        return self.step or action.source in self._breaks or (action.permit and self._mode == "ask")
+        return self.step or action.source in self._breaks or (action.permit and self.mode == "ask")

@@ -163,14 +163,15 @@ def _recorders(prepared: Prepared, run_dir: Path) -> Iterator[RunObserver]:
 def _journal(prepared: Prepared, run_dir: Path, options: RunOptions, past: Past | None) -> Journal:
     """Return a new journal with its header, or the past one with what is known of the crash."""
     path, sync = run_dir / "journal.jsonl", _sync(prepared, options)
+    facts = process_facts(_permits(prepared, options).mode)
     if past is None:
         journal = Journal(path, sync)
         begins = rehearsed_time(prepared, options)
-        journal.append("RUN", prepared.robot.time, header(prepared, begins), process_facts())
+        journal.append("RUN", prepared.robot.time, header(prepared, begins), facts)
         return journal
     journal = Journal.go_on(path, past.contents, sync)
     for kind, fields, wall in past.resume_records:
-        journal.append(kind, prepared.robot.time, fields, process_facts() if kind == "EPOCH" else wall)
+        journal.append(kind, prepared.robot.time, fields, facts if kind == "EPOCH" else wall)
     for name in FILES_OF_AN_END:
         with suppress(OSError):
             (run_dir / name).unlink()  # of an earlier end, which no longer is the run's

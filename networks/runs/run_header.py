@@ -17,6 +17,7 @@ from handcart.backends.description.robot_file import RobotFile
 from handcart.networks.graph.network import Action, ActionNetwork
 from handcart.networks.journal.journal import JOURNAL_SCHEMA
 from handcart.networks.journal.retracing import has_fingerprint
+from handcart.networks.operator.permits import Mode
 from handcart.networks.task.preparing import Prepared
 from handcart.primitives.restoring.patience import NO_PATIENCE
 
@@ -158,16 +159,21 @@ def robot_fingerprint(spec: RobotFile) -> str:
     return hashlib.sha256(spec.model_dump_json(exclude_defaults=True).encode()).hexdigest()
 
 
-def process_facts() -> dict[str, Any]:
-    """Return process ID, boot ID, hash seed and monotonic time in [s], for a journal's records RUN and EPOCH.
+def process_facts(permits: Mode) -> dict[str, Any]:
+    """Return process ID, boot ID, hash seed, monotonic time in [s] and rule for permissions of a process,
+    for a journal's records RUN and EPOCH.
 
     They differ between two runs with the same seed, and are not part of the journal's chain of checksums.
+
+    Args:
+        permits: what happens to actions that need the operator's permission.
     """
     return {
         "monotonic_s": round(time.monotonic(), 6),
         "pid": os.getpid(),
         "boot_id": boot_id(),
         "hash_seed": os.environ.get("PYTHONHASHSEED"),
+        "permits": permits,
     }
 
 

@@ -1,4 +1,4 @@
-"""What a run that is resumed says of its end."""
+"""What a run that is resumed says of its end and of its permissions."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 from typing_extensions import override
 
 from handcart.networks.events.run_observer import RunObserver
+from handcart.networks.operator.permits import Permits
 from handcart.networks.run_files.run_names import OVERVIEW_FILE, REPORT_FILE, list_runs
 from handcart.networks.runs.run import execute
 from handcart.networks.runs.run_options import RunOptions
@@ -36,3 +37,12 @@ def test_an_earlier_end_is_not_that_of_a_resumed_run(run: UnfinishedRun) -> None
     assert outcomes.seen == [""]
     assert not any(page.exists() for page in pages)
     assert [item.outcome for item in list_runs(run.folder.parent)] == ["Success"]
+
+
+def test_the_journal_tells_by_which_rule_permissions_were_given(run: UnfinishedRun) -> None:
+    """A real robot's first run refuses them by default, a person continues it with `--permit always`."""
+    run.cut("START", 1)
+    run.forget()
+    execute(run.prepare(), run.folder, RunOptions(permits=Permits("always"), sync=False), run.past())
+    said = {record["kind"]: record["wall"].get("permits") for record in run.records}
+    assert (said["RUN"], said["EPOCH"]) == ("never", "always")

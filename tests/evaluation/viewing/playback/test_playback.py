@@ -41,7 +41,7 @@ class Run:
         self.before: list[FloatArray] = []
         folder.mkdir()
         with Journal(folder / "journal.jsonl") as journal:
-            journal.append("RUN", 0.0, header(self.prepared), process_facts())
+            journal.append("RUN", 0.0, header(self.prepared), process_facts("always"))
 
     def record(self, recorder: PlaybackRecorder, until: float) -> None:
         robot = self.prepared.robot
