@@ -33,6 +33,7 @@ COMMAND_COLOUR, READING_COLOUR, RESTORED_COLOUR, LIMIT_COLOUR, SENSED_COLOUR = (
 )
 LINE_LENGTH = 90  # characters
 VIEW_RADIUS_M = 2.0  # around the robot
+MIN_WAY_M = 0.02  # extent from which a driven way is seen in the picture
 AHEAD_ANGLE_RAD = np.radians(20.0)  # to both sides of the heading, for the nearest range ahead
 
 
@@ -164,7 +165,7 @@ def _draw_plan(axis: Any, explanation: Explanation, readings: Readings) -> None:
         if "ranges_m" in readings:
             axis.plot(*_scan(readings, now, pose).T, ".", color=GREY, ms=2.0, label="scan")
         way = _with_gaps(readings)
-        if is_located:
+        if is_located and _extent(way) >= MIN_WAY_M:
             axis.plot(way["x_m"], way["y_m"], color=READING_COLOUR, lw=1.0, label="driven")
     for name, style in (("planned", ":"), ("ahead", "--")):
         if name in points:
@@ -188,6 +189,13 @@ def _draw_plan(axis: Any, explanation: Explanation, readings: Readings) -> None:
     axis.set_ylabel("y [m]")
     axis.set_title("from above, when it decided", fontsize=8)
     add_legend(axis, fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
+
+
+def _extent(way: Readings) -> float:
+    """Return the larger extent of a way along x or y, in [m]; 0 for none."""
+    known = np.array([way["x_m"], way["y_m"]])
+    known = known[:, np.isfinite(known).all(axis=0)]
+    return float(np.ptp(known, axis=1).max()) if known.size else 0.0
 
 
 def _likeliest(hypotheses: FloatArray, pose: Pose2) -> Pose2:

@@ -26,3 +26,17 @@ def test_each_place_that_the_robot_may_be_at_is_drawn_and_in_view(tmp_path: Path
     assert np.asarray(drawn.get_xydata()) == pytest.approx(PLACES)
     (left, right), (low, high) = axis.get_xlim(), axis.get_ylim()
     assert all(left < x < right and low < y < high for x, y in PLACES)
+
+
+@pytest.mark.parametrize(("way_m", "labels"), [(0.0, []), (0.5, ["driven"])])
+def test_a_way_is_named_only_if_the_base_was_driven(way_m: float, labels: list[str]) -> None:
+    from matplotlib.figure import Figure
+
+    times = np.linspace(0.0, 1.0, 11)
+    readings = {"time_s": times, "x_m": way_m * times, "y_m": 0.0 * times, "heading_rad": 0.0 * times}
+    axis = Figure().add_subplot()
+    explanation = cast("Any", SimpleNamespace(points=None, action=None))
+    _draw_plan(axis, cast("Explanation", explanation), readings)
+    assert [
+        line.get_label() for line in axis.get_lines() if not str(line.get_label()).startswith("_")
+    ] == labels
