@@ -12,6 +12,7 @@ from handcart.files.maps.map_file import map_path
 from handcart.files.models.settings import SETTINGS_SECTION, setting_value, with_settings
 from handcart.files.printable import printable
 from handcart.files.suggest import suggest
+from handcart.files.uninstalled import not_installed
 from handcart.files.yaml.yaml_document import Document
 from handcart.files.yaml.yaml_node import KeyPath
 
@@ -92,7 +93,8 @@ def robot_faults(document: Document) -> Iterator[tuple[KeyPath, str]]:
     is_name = there and isinstance(name, str) and not name.endswith((".yaml", ".yml"))
     if is_name and isinstance(name, str) and find_robot(name) is None:
         allowed = suggest(name, named_robots())
-        yield ("robot",), f"unknown robot {name!r}{allowed}, or the path of a robot's YAML file"
+        hint = not_installed(document.file)
+        yield ("robot",), f"unknown robot {name!r}{allowed}, or the path of a robot's YAML file{hint}"
 
 
 def file_faults(document: Document) -> Iterator[tuple[KeyPath, str]]:

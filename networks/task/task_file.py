@@ -18,6 +18,7 @@ from handcart.files.findings import Findings
 from handcart.files.models.loading import load_document, load_part
 from handcart.files.models.model import FileModel
 from handcart.files.suggest import suggest
+from handcart.files.uninstalled import not_installed
 from handcart.files.yaml.yaml_document import Document, read_document
 from handcart.files.yaml.yaml_node import KeyPath
 from handcart.networks.entries.aims_entry import SituationInterrupt
@@ -145,8 +146,7 @@ class _Reader:
         self._knowledge = read_knowledge(self._document, self._findings, resolved)
         self._names = self._knowledge.names()
         self._route_times = RouteTimes(self._document, self._knowledge)
-        places = self._knowledge.places
-        self._place_names = None if places is None else list(places.value.places)
+        self._place_names = None if (known := self._knowledge.places) is None else list(known.value.places)
         no_places = None if self._document.root.deepest(("knowledge", PLACES_KIND))[1] else ()
         listed = {**self._names, PLACES_KIND: self._place_names or no_places}
         for kind, names in listed.items():
@@ -338,7 +338,7 @@ class _Reader:
                 self._add(("actions", number, "do"), f"{read}; {ALLOWED_CLOCK}")
             return kind if reads else self._sound.setdefault(name, kind)
         except KeyError as unknown:
-            self._add(("actions", number, "do"), str(unknown.args[0]))
+            self._add(("actions", number, "do"), f"{unknown.args[0]}{not_installed(self._document.file)}")
         except ImportError as missing:
             extra = extra_of(missing)
             wrong = None if extra is None else lack(name, extra)
