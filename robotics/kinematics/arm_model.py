@@ -186,14 +186,6 @@ class ArmModel:
         rises = jacobian[2] + jacobian[3] * arm[1] - jacobian[4] * arm[0]
         return np.asarray(mass * _GRAVITY * rises)
 
-    def manipulability(self, q: FloatArray) -> float:
-        """Return the smallest singular value of the Jacobian, with 1 m equal to 1 rad; 0 if it is singular.
-
-        Args:
-            q: (n,) joint angles in [rad] or [m].
-        """
-        return float(np.linalg.svd(self.jacobian(q), compute_uv=False)[-1])
-
     def inverse(
         self, base_T_tip: Transform, near: FloatArray, restarts: int = 20, seed: int = 0
     ) -> FloatArray | None:
