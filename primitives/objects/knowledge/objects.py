@@ -28,6 +28,7 @@ from handcart.robotics.navigation.maps.moved_things import MovedThing
 from handcart.robotics.numerics.arrays import FloatArray
 
 from .grasp_reach import missed_words
+from .hiding_areas import KnownSurface, hiding_areas
 from .surface_places import NoStandingPlace, followed_place, has_moved, standing_place
 from .surface_scan import is_in_scan, scan_surface
 from .tag_sight import unread_words
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from handcart.files.errors import Finding
 
 FOOT_OFF_M = 0.02  # that a foot may be off where it was seen, or is to be put
+BELIEVED_OFF_M = 0.05  # likewise where it was not seen yet
 LEVEL_M = 0.002  # between the heights of surfaces that one object stands on
 WALL_NAME = "what the map shows"
 MOST_WALLS, MOST_CERTAIN_WALLS = 60, 400  # more of them would be drawn as larger blocks
@@ -255,12 +257,18 @@ class Objects(Section):
         return surface if measured is None else surface.moved_to(measured)
 
     def walls_near(
-        self, grid: GridMap, point: Pose2, open_areas: Sequence[FloatArray] = (), certain: bool = False
+        self,
+        grid: GridMap,
+        point: Pose2,
+        open_areas: Sequence[FloatArray] = (),
+        certain: bool = False,
+        seen_from: float = 0.0,
     ) -> list[Box]:
         """Return boxes, posed on the map, for a map's obstacles within `WALL_REACH_M` of a point.
 
-        Furniture that is a surface of the objects file is left out. The map doesn't show how high obstacles
-        are: the boxes are higher than an arm reaches.
+        Furniture that is a surface of the objects file is left out, but not what stands on a surface that the
+        lidar sees over. The map doesn't show how high obstacles are: the boxes are higher than an arm
+        reaches.
 
         Args:
             grid: the map.
@@ -268,13 +276,13 @@ class Objects(Section):
             open_areas: outlines (n, 2) on the map, in [m], of further areas whose obstacles are left out.
             certain: True for boxes that end within their outermost cells, where an obstacle's surface may be
                 anywhere; False for boxes around these cells.
+            seen_from: height of the lidar above the floor, in [m]; 0 without one.
         """
-        outlines = (
-            outline
+        known = [
+            KnownSurface(surface, self.surface(name), self._feet_on(name))
             for name, surface in self.objects.surfaces.items()
-            if surface.height_m > 0.0 or surface.walls  # an area of the floor hides nothing
-            for outline in (surface.outline, self.surface(name).outline)
-        )
+        ]
+        outlines = hiding_areas(known, grid, seen_from)
         margin = EDGE_CELLS * grid.resolution
         most, less = (MOST_CERTAIN_WALLS, UNSURE_CELLS * grid.resolution) if certain else (MOST_WALLS, 0.0)
         around = (point.x, point.y), WALL_REACH_M
@@ -287,6 +295,16 @@ class Objects(Section):
             )
             for box in found
         ]
+
+    def _feet_on(self, surface: str) -> list[tuple[float, Pose2 | None]]:
+        """Return where the foot of each object is that should be on a surface; see `KnownSurface.feet`."""
+        found = []
+        for name, item in self.objects.objects.items():
+            sighted = self.seen(name)
+            if (item.on if sighted is None else sighted.surface) == surface:
+                pose, off = (self.believed(name), BELIEVED_OFF_M) if sighted is None else (sighted.pose, 0.0)
+                found.append((self.objects.kinds[item.kind].foot_radius + off, pose))
+        return found
 
     def touched_names(self, name: str, x: float, y: float, radius: float) -> tuple[str, ...]:
         """Return the names by which contacts are reported for all surfaces that an object on a surface

@@ -59,13 +59,18 @@ def walls_to_try(
         open_areas: outlines (n, 2) on the map, in [m], of areas without walls.
     """
     objects, to_base = model.of(Objects), base_T_map(robot)
-    mapped = objects.walls_near(model.map, robot.pose, open_areas)
+    seen_from = _lidar_height(robot)
+    mapped = objects.walls_near(model.map, robot.pose, open_areas, seen_from=seen_from)
     found = [mapped] if mapped else []
     if len(model.sensed_cells):
-        sensed = objects.walls_near(map_with_cells(model), robot.pose, open_areas)
+        sensed = objects.walls_near(map_with_cells(model), robot.pose, open_areas, seen_from=seen_from)
         if _extents(sensed) != _extents(mapped):
             found.insert(0, sensed)
     return [tuple(box.seen_from(to_base) for box in boxes) for boxes in found]
+
+
+def _lidar_height(robot: Robot) -> float:
+    return 0.0 if robot.lidar is None else robot.range_sensor_height
 
 
 def _extents(boxes: Sequence[Box]) -> list[tuple[bytes, tuple[float, ...]]]:
@@ -110,7 +115,7 @@ def certain_walls(robot: Robot, model: ModelView) -> tuple[Solid, ...]:
     left out: they are low, or not where the map shows them.
     """
     objects, to_base = model.of(Objects), base_T_map(robot)
-    walls = objects.walls_near(model.map, robot.pose, certain=True)
+    walls = objects.walls_near(model.map, robot.pose, certain=True, seen_from=_lidar_height(robot))
     around = tuple(wall.seen_from(to_base) for wall in walls)
     here, collision = robot.arm.command(), collision_model(robot, held_shape(model), around)
     if not any(WALL_NAME in pair for pair in collision.contacts(here)):
