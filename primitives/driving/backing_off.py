@@ -9,15 +9,58 @@ import numpy as np
 
 from handcart.backends.capabilities.base import DriveCommand
 from handcart.backends.robot.robot import Robot
+from handcart.robotics.geometry.pose2 import Pose2, wrap
+from handcart.robotics.navigation.following.drive_limits import Ramp
+from handcart.robotics.navigation.following.sideways_motion import SidewaysRamp
 
 PINNED_MOTION_M = 0.05  # within which a position is one place
+PINNED_TURN_RAD = 0.05  # beyond the headings that the base had there, from which it turns to new ones
+PINNED_S = 0.8  # that the guard holds the base at about one place, until it backs off
 BACK_OFF_M, BACK_OFF_SPEED_M_S = 0.25, 0.15
-BACK_OFF_TIMEOUT_S = 3.0
+BACK_OFF_TIMEOUT_S = 3.0  # without the time to reach the speed
 BACK_OFF_MAX_TRIES = 8
 
 
+class PinnedWatch:
+    """Watch for a base that the guard holds at one place, with how long it was held there.
+
+    A base that turns to new headings gets on, for example out of a corner. One that turns to and fro does
+    not.
+    """
+
+    def __init__(self, pose: Pose2) -> None:
+        """Begin at a pose map_T_base."""
+        self.restart(pose)
+
+    def restart(self, pose: Pose2) -> None:
+        """Begin again at a pose map_T_base, before the base was held."""
+        self._anchor, self._low, self._high, self._held_s = pose, 0.0, 0.0, 0.0
+
+    def note(self, robot: Robot, waits: bool) -> None:
+        """Note a period, in which the base may wait on purpose."""
+        turned = wrap(robot.pose.theta - self._anchor.theta)
+        turns = turned > self._high + PINNED_TURN_RAD or turned < self._low - PINNED_TURN_RAD
+        if waits or robot.pose.distance(self._anchor) > PINNED_MOTION_M:
+            self.restart(robot.pose)
+        elif turns:
+            self._low, self._high = min(self._low, turned), max(self._high, turned)
+            self._held_s = 0.0
+        elif robot.held is not None:
+            self._held_s += robot.period
+
+    @property
+    def is_held(self) -> bool:
+        """True if the guard has held the base at this place and heading."""
+        return self._held_s > 0.0
+
+    @property
+    def is_pinned(self) -> bool:
+        """True if the guard has held the base for more than `PINNED_S` in total."""
+        return self._held_s > PINNED_S
+
+
 class BackingOff:
-    """Straight drives away from what holds the base, and the number of them."""
+    """Straight drives away from what holds the base, within the limits of its acceleration."""
 
     def __init__(self) -> None:
         self.tries = 0
@@ -30,7 +73,7 @@ class BackingOff:
         return self.tries < BACK_OFF_MAX_TRIES
 
     def drive(self, robot: Robot, reverse: bool) -> Generator[None, None, None]:
-        """Drive straight away from the obstacle that holds the base.
+        """Drive straight away from the obstacle that holds the base, and come to rest.
 
         A base with a circular footprint reverses its last direction. A base with a polygonal footprint drives
         forwards if the obstacle is near its rear, and backwards if the obstacle is near its front. If the
@@ -57,14 +100,38 @@ class BackingOff:
         return sign
 
 
-def _drive_straight(robot: Robot, command: DriveCommand) -> Generator[None, None, None]:
-    """Drive `BACK_OFF_M` with a command, less far if something holds the base."""
-    start, end = robot.pose, robot.time + BACK_OFF_TIMEOUT_S
-    while robot.pose.distance(start) < BACK_OFF_M and robot.time < end:
+def _drive_straight(robot: Robot, top: DriveCommand) -> Generator[None, None, None]:
+    """Drive `BACK_OFF_M` with up to the speed of a command, and come to rest.
+
+    The drive is shorter if something holds the base in the direction of the command. While the base still
+    rolls in its earlier direction, it slows down, whatever holds it there. The commands change within the
+    limits of the base's acceleration.
+    """
+    limits, dt, command = robot.drive_limits, robot.period, robot.command
+    ramp, leaves, brakes = _ramp_from(robot, command), False, False
+    start, end = robot.pose, robot.time + BACK_OFF_TIMEOUT_S + abs(top.along) / limits.acceleration
+    while not (brakes and ramp.at_rest):
+        stop = abs(command.along) * dt + command.along**2 / (2.0 * limits.acceleration)
+        leaves = leaves or command.speed * top.speed + command.sideways * top.sideways > 0.0
+        far = leaves and robot.pose.distance(start) + stop >= BACK_OFF_M
+        brakes = brakes or far or robot.time >= end
+        wanted = DriveCommand() if brakes else top
+        sideways = (wanted.sideways,) if isinstance(ramp, SidewaysRamp) else ()
+        command = DriveCommand(*ramp.towards(wanted.speed, 0.0, dt, *sideways))
         robot.base.drive(*command)
         yield
-        if robot.held is not None:
-            break
+        brakes = brakes or (leaves and robot.held is not None)
+
+
+def _ramp_from(robot: Robot, command: DriveCommand) -> Ramp:
+    """Return a limiter of the commands of the robot's base that begins with a command."""
+    limits = robot.drive_limits
+    if robot.spec.drive.kind == "holonomic":
+        ramp: Ramp = SidewaysRamp(limits, command.sideways)
+    else:
+        ramp = Ramp(limits)
+    ramp.speed, ramp.turn_rate = command.speed, command.turn_rate
+    return ramp
 
 
 def _away_from(robot: Robot, sign: float) -> DriveCommand:

@@ -21,7 +21,7 @@ from handcart.robotics.navigation.routes.far_replanning import FarReplanner
 from handcart.robotics.navigation.routes.replanning import Replanner, RouteLook, free_length
 from handcart.robotics.numerics.arrays import FloatArray
 
-from .backing_off import PINNED_MOTION_M, BackingOff
+from .backing_off import BackingOff, PinnedWatch
 from .driving import no_way, plan_drive
 from .near_map import NearMap
 from .people_watch import PeopleWatch
@@ -34,8 +34,6 @@ LEAD_S = 0.3  # of motion along the old route that stays the beginning of a new 
 LEAD_SPEED_M_S = 0.3  # from which it stays
 HOLD_DISTANCE_M = 1.0  # before what no way leads around, at which the base holds
 OLD_CELLS_S = 20.0  # after which what nothing looked at is dropped, if it closes all ways
-PINNED_S = 0.8  # that the guard holds the base at about one place, until it backs off
-PINNED_TURN_RAD = 0.05  # within which a heading is one, as `PINNED_MOTION_M` of a position
 MIN_SHIFT_M = 0.006  # to the middle of a narrow place, from which a route is changed for it
 PLANNING_S = 0.2  # simulated, of a plan while the base holds
 NEARER_M = 0.1  # by which the rest of the way has to shrink
@@ -72,8 +70,7 @@ class LocalReplanning:
         self._look: RouteLook | None = None
         self._tries_less_room = False
         """True while no way was found with the last distance to people, and one with less is to be tried."""
-        self._anchor, self._held_for = robot.pose, 0.0
-        self._backing_off = BackingOff()
+        self._pinned, self._backing_off = PinnedWatch(robot.pose), BackingOff()
         self._nearest, self._nearer_at = np.inf, robot.time
 
     @property
@@ -276,17 +273,13 @@ class LocalReplanning:
             raise Discrepancy(
                 f"the base doesn't get nearer to {self._name}", measured=late, cause=causes.NO_PROGRESS
             )
-        turns = robot.pose.turn(self._anchor) > PINNED_TURN_RAD
-        if robot.pose.distance(self._anchor) > PINNED_MOTION_M or turns or waits:
-            self._anchor, self._held_for = robot.pose, 0.0
-        elif robot.held is not None:
-            self._held_for += robot.period
-            if robot.held.shown_by == "scan":
-                self._layer.add(np.array([[robot.held.x, robot.held.y]]), robot.time)
+        self._pinned.note(robot, waits)
+        if self._pinned.is_held and robot.held is not None and robot.held.shown_by == "scan":
+            self._layer.add(np.array([[robot.held.x, robot.held.y]]), robot.time)
 
     def pinned(self, robot: Robot) -> bool:
         """Return whether the base should back off, because a near obstacle has stopped it for `PINNED_S`."""
-        pinned = self._held_for > PINNED_S and self.waits_since is None
+        pinned = self._pinned.is_pinned and self.waits_since is None
         return pinned and self._backing_off.may_try
 
     def back_off(self, robot: Robot, tracker: PathTracker) -> Generator[None, None, None]:
@@ -298,7 +291,7 @@ class LocalReplanning:
         tracker.stopped()
         self._job = None
         look = yield from self.planned(robot)
-        self._anchor, self._held_for = robot.pose, 0.0
+        self._pinned.restart(robot.pose)
         if look.kind == "new":
             self._apply(look, robot, tracker)
 

@@ -18,9 +18,10 @@ class SidewaysRamp(Ramp):
     straight has no acceleration. The largest velocities in all directions form an ellipse in the base frame.
     """
 
-    def __init__(self, limits: DriveLimits) -> None:
+    def __init__(self, limits: DriveLimits, sideways: float = 0.0) -> None:
+        """Start at rest, or with a speed to the left in [m/s]."""
         super().__init__(limits)
-        self.sideways = 0.0
+        self.sideways = sideways
 
     @property
     @override
