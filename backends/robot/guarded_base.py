@@ -78,9 +78,9 @@ class GuardedBase(HolonomicBase):
         self._turn_braking = math.radians(robot.drive.turn_acceleration_deg_s2)
         self._is_car = robot.drive.kind == "ackermann"
         self._starts = True
-        self._command = DriveCommand()
+        self._command = self._last = DriveCommand()
         self._held: HoldingObstacle | None = None
-        self._slowed_to = math.inf
+        self._slowed_to, self._slowed_turn = math.inf, False
         self._felt = NO_STANDS
         self._is_located, self._on_map = is_located, True
         self._is_blind, self._blind_speed = is_blind, math.inf
@@ -134,6 +134,8 @@ class GuardedBase(HolonomicBase):
             way = command.direction
             along, turn_rate = self._allowed(*self._caught_up(command.along, turn_rate), way)
             command = DriveCommand.towards(way, *self._seeing(*self._yielding(along, turn_rate, way)))
+        elif math.isfinite(turn_rate):
+            command = command._replace(turn_rate=self._caught_up_turn(turn_rate))
         if isinstance(self._base, HolonomicBase):
             self._base.drive(*command)
         elif command.sideways == 0.0:
@@ -187,10 +189,26 @@ class GuardedBase(HolonomicBase):
         if self._people is None or speed == 0.0:
             return speed, turn_rate
         pose, command = self._pose().compose(Pose2(0.0, 0.0, direction)), (speed, turn_rate)
-        share = safe_share(pose, command, self._people, self._radius, self._braking, self._period)
+        last = self._last.speed * math.cos(direction) + self._last.sideways * math.sin(direction)
+        last *= math.copysign(1.0, speed)
+        share = safe_share(pose, command, self._people, self._radius, self._braking, self._period, last)
         if share < 1.0:
-            self._slowed_to, self._share = share * abs(speed), share
-        return share * speed, share * turn_rate
+            self._slowed_to, self._share, self._slowed_turn = share * abs(speed), share, True
+            turn_rate = self._caught_up_turn(share * turn_rate)
+            self._slowed_turn = True  # of the commanded one, which the next period catches up with
+        return share * speed, turn_rate
+
+    def _caught_up_turn(self, turn_rate: float) -> float:
+        """Return the turn rate nearest to a wanted one, in [rad/s], that the base reaches in this period.
+
+        A base that has to stay on its arc gets the wanted one.
+        """
+        if self._slows_turns or not self._slowed_turn:
+            return turn_rate
+        last, most = self._last.turn_rate, self._turn_braking * self._period
+        reached = max(last - most, min(last + most, turn_rate))
+        self._slowed_turn = reached != turn_rate
+        return reached
 
     def _seeing(self, speed: float, turn_rate: float) -> tuple[float, float]:
         """Return a command, or while the lidar repeats an old scan, the part of it by which the base comes to
@@ -231,7 +249,7 @@ class GuardedBase(HolonomicBase):
         """
         taken = self._command, self._held
         self.share_for_people, self._share, self._people = self._share, 1.0, None
-        self._command, self._held = DriveCommand(), None
+        self._last, self._command, self._held = self._command, DriveCommand(), None
         return taken
 
     def _begin(self) -> None:
@@ -255,7 +273,7 @@ class GuardedBase(HolonomicBase):
         return np.vstack([scan, pose.inverse().apply(self._felt)]) if is_felt else scan
 
     def _caught_up(self, speed: float, turn_rate: float) -> tuple[float, float]:
-        """Return a command whose speed grows by no more than the base accelerates.
+        """Return a command whose speed and turn rate grow by no more than the base accelerates.
 
         It is needed because the caller does not know that the base was held back in the last period.
 
@@ -263,7 +281,7 @@ class GuardedBase(HolonomicBase):
             speed: speed in the direction of travel, in [m/s].
             turn_rate: turn rate to the left, in [rad/s].
         """
-        most = self._slowed_to + self._braking * self._period
+        most, turn_rate = self._slowed_to + self._braking * self._period, self._caught_up_turn(turn_rate)
         if abs(speed) <= most:
             self._slowed_to = math.inf
             return speed, turn_rate

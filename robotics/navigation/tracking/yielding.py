@@ -29,13 +29,21 @@ TOLERANCE_M = 0.05  # by which a faster motion may come nearer than the best one
 
 
 def safe_share(
-    pose: Pose2, command: tuple[float, float], people: People, radius: float, braking: float, period: float
+    pose: Pose2,
+    command: tuple[float, float],
+    people: People,
+    radius: float,
+    braking: float,
+    period: float,
+    last: float = 0.0,
 ) -> float:
     """Return the factor by which to reduce a speed command so that the base can stop before it meets people.
 
     With the reduced command the base stops before it comes near any person's predicted path.
 
-    The base also has to stop in time for a nearby person who suddenly walks towards it.
+    The base also has to stop in time for a nearby person who suddenly walks towards it. As long as it does
+    if it brakes with `braking`, it is not slowed down by more: a person who walks as predicted never needs
+    more.
 
     Args:
         pose: map_T_base.
@@ -44,6 +52,7 @@ def safe_share(
         radius: radius of the footprint, in [m].
         braking: deceleration in [m/s²].
         period: control period, in [s].
+        last: speed of the last period in the direction of the command, in [m/s]; below zero against it.
 
     Returns:
         0 to 1; 0 means to stop.
@@ -51,7 +60,7 @@ def safe_share(
     speed, turn = command
     if speed == 0.0 or not len(people.radii):
         return 1.0
-    shares = np.array(SPEED_SHARES[:-1])
+    shares = _tried_shares((last - braking * period) / abs(speed))
     speeds = shares * abs(speed)
     lasts = period + speeds / braking + REACTION_S
     steps = [np.append(np.arange(0.0, end, STEP_S), end) for end in lasts.tolist()]
@@ -63,7 +72,17 @@ def safe_share(
     limits[:, 1] = np.where(people.stood_s < SETTLED_S, TURN_BACK_SPEED_M_S, STEP_OUT_SPEED_M_S)
     limits[:, 2] = people.stood_s
     first = _first_safe(speeds, braking, points, times, firsts, here, *people[:4], limits)
-    return SPEED_SHARES[first]
+    return float(shares[first]) if first < len(shares) else 0.0
+
+
+def _tried_shares(braked: float) -> FloatArray:
+    """Return the shares of a speed that are tried, the largest first, with the one after a period of
+    braking.
+    """
+    shares = np.array(SPEED_SHARES[:-1])
+    if not 0.0 < braked < 1.0 or braked in SPEED_SHARES:
+        return shares
+    return np.asarray(np.insert(shares, int((shares > braked).sum()), braked))
 
 
 @compiled_for(

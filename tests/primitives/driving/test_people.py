@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
+from benchmarks.driving.cluttered_robot import write_robot
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.outcomes.outcome import Fail, Outcome, Success
 from tests.primitives.conftest import Rig
@@ -64,6 +66,35 @@ def test_person_who_steps_in_front_of_the_base_is_let_pass(make_rig: Callable[..
     assert isinstance(found.outcome, Success), found
     assert found.by_robot == 0
     assert rig.restored == []
+
+
+@pytest.mark.slow
+def test_commands_before_a_person_keep_the_limits(make_rig: Callable[..., Rig], tmp_path: Path) -> None:
+    """The base slows down for a person whom it has seen coming, and drives on again, within its limits.
+
+    Periods in which the guard finds too little room are exempt: it acts only when braking just suffices. So
+    is a person who is noticed too late to brake for; nobody is here.
+    """
+    crossing = (
+        "name: anna, waypoints_m: [[4.4, 5.4], [4.4, 0.6]], starts_s: 2.5, at_end: stay, speed_m_s: 0.8"
+    )
+    rig = make_rig(people(crossing), robot=str(write_robot(tmp_path, (0.22,), 1.0, "scan")))
+    robot, step, beyond, shares = rig.robot, rig.robot.step, [], []
+    most = robot.drive_limits.acceleration * robot.period + 1e-6
+    sharpest = robot.drive_limits.turn_acceleration * robot.period + 1e-6
+
+    def watched_step(paused: bool = False) -> None:
+        last = robot.command
+        step(paused)
+        shares.append(robot.base.share_for_people)
+        now, jumps = robot.command, robot.held is None
+        jumps &= abs(now.speed - last.speed) > most or abs(now.turn_rate - last.turn_rate) > sharpest
+        beyond.extend([(robot.time, last, now, shares[-1])] if jumps else [])
+
+    robot.step = watched_step  # type: ignore[method-assign]
+    assert isinstance(rig.run(MoveTo(place="shelf_1", wait_s=30.0)), Success)
+    assert beyond == []
+    assert sum(0.0 < share < 1.0 for share in shares) > 3
 
 
 @pytest.mark.slow

@@ -113,6 +113,25 @@ def test_safe_share_is_the_first_that_is_safe_for_each_person() -> None:
     assert found == set(SPEED_SHARES)
 
 
+def test_a_base_brakes_no_harder_than_a_foreseen_person_needs() -> None:
+    """It drives towards a crossing of ways, and each period's braking is enough for the next one."""
+    speed, x, braking, period, slower = 1.0, 0.0, 0.8, 0.05, 0
+    for i in range(60):
+        person = somebody(3.4, -3.0 + 0.05 * i, 0.0, 1.0)
+        wanted = min(1.0, speed + braking * period)
+        share = safe_share(Pose2(x, 0.0, 0.0), (wanted, 0.0), person, 0.22, braking, period, speed)
+        assert share * wanted > speed - braking * period - 1e-9
+        slower += share < 1.0
+        speed = share * wanted
+        x += speed * period
+    assert slower > 3
+
+
+def test_a_person_who_is_seen_too_late_is_braked_for_at_once() -> None:
+    person = somebody(1.0, 0.0, -1.2, 0.0)
+    assert safe_share(HERE, (1.0, 0.0), person, 0.22, 0.8, 0.05, 1.0) == 0.0
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_people_are_drawn_where_they_are_and_will_be(seed: int) -> None:
     rng = np.random.default_rng(seed)
