@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Generator
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -20,8 +21,9 @@ from handcart.robotics.navigation.routes.shortcuts import (
     straightened,
 )
 from handcart.robotics.navigation.routes.shortest_path import shortest_clear_path
-from handcart.robotics.navigation.routes.voronoi_graph import BLOCKED_PRICE, VoronoiGraph
+from handcart.robotics.navigation.routes.voronoi_graph import BLOCKED_PRICE, STEP_CELLS, VoronoiGraph
 from handcart.robotics.numerics.arrays import FloatArray, IntArray
+from handcart.robotics.numerics.stepwise import finish
 
 MAX_DETOUR_RATIO = 1.1  # of the shortest way's length, that a way with more room may have
 LENGTH_PRICE_SHARES = (
@@ -96,12 +98,38 @@ def plan_route(
             become wider arcs where there is room.
         passes: number of passes that round the corners.
     """
+    return finish(routing(graph, start, goal, reach, least, rounding, passes))
+
+
+def routing(
+    graph: VoronoiGraph,
+    start: Pose2 | tuple[float, float],
+    goal: Pose2 | tuple[float, float],
+    reach: float = 0.3,
+    least: float = 0.0,
+    rounding: float = 1.0,
+    passes: int = CORNER_ROUNDING_PASSES,
+) -> Generator[None, None, Route | None]:
+    """Return a short route like `plan_route`; a generator that yields, on a map of more than `STEP_CELLS`,
+    before it looks for shorter ways and before it rounds the corners.
+
+    Args:
+        graph: Voronoi graph of the map.
+        start: position on the map, as for `plan_route`.
+        goal: position on the map.
+        reach: distance that start and goal may be outside the free space, in [m].
+        least: minimum clearance of the route, in [m].
+        rounding: length over which corners are rounded.
+        passes: number of passes that round the corners.
+    """
     ends = [_join(graph, (point[0], point[1]), reach) for point in (start, goal)]
     if ends[0] is None or ends[1] is None:
         return None
-    path = _within_reason(graph, ends[0], ends[1])
+    path = yield from _within_reason(graph, ends[0], ends[1])
     if path is None:
         return None
+    if graph.free.size > STEP_CELLS:
+        yield
     squares, need = graph.squares, graph.need
     if rounding > 1.0:  # passes over fewer points round longer corners
         roomy = need + LONG_CORNER_ROOM_M / graph.map.resolution
@@ -114,11 +142,13 @@ def plan_route(
     return Route(graph.map.to_point(points), clearance)
 
 
-def _within_reason(graph: VoronoiGraph, start: _End, goal: _End) -> FloatArray | None:
+def _within_reason(graph: VoronoiGraph, start: _End, goal: _End) -> Generator[None, None, FloatArray | None]:
     """Return the way with the most room that isn't much longer than the shortest; (n, 2), in [cells]."""
     points = _way(graph, start, goal, 0.0)
     if points is None or path_length(points) <= MAX_DETOUR_RATIO * math.hypot(*(points[-1] - points[0])):
         return points
+    if graph.free.size > STEP_CELLS:
+        yield
     shortest = _way(graph, start, goal, SHORTEST_LENGTH_PRICE)
     assert shortest is not None, "where one way leads, the shortest does"
     for share in LENGTH_PRICE_SHARES:

@@ -28,7 +28,7 @@ DISTANCE_TOLERANCE = 1e-6  # of the radius, by which 32-bit distances may be off
 BLOCKED_PRICE = 1e9  # price of what can't be passed: more than any way on a map costs
 # a leaf this near to the grown obstacles, in [cells], touches them: rounding of two distances
 TOUCH_DISTANCE_CELLS = 2.0
-STEP_CELLS = 60_000  # of a map, above which each part of a plan is a computing step of its own
+STEP_CELLS = 20_000  # of a map, above which each part of a plan is a computing step of its own
 
 
 class EdgeTable:

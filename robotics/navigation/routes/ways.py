@@ -17,7 +17,7 @@ from handcart.robotics.navigation.maps.blocked_squares import BlockedSquares
 from handcart.robotics.navigation.maps.clearances import Clearances
 from handcart.robotics.navigation.maps.grid_map import GridMap
 from handcart.robotics.navigation.routes.polygon_route import RouteSettings, polygon_routing
-from handcart.robotics.navigation.routes.route import Route, plan_route
+from handcart.robotics.navigation.routes.route import Route, routing
 from handcart.robotics.navigation.routes.voronoi_graph import (
     DISTANCE_TOLERANCE,
     STEP_CELLS,
@@ -173,7 +173,7 @@ class Ways:
             graph = yield from self._graphing()
             if graph is not None and self._grid.occupied.size > STEP_CELLS:
                 yield
-            route = None if graph is None else self._planned(there)
+            route = None if graph is None else (yield from self._routing(there))
         if route is None or route.clearance[-1] < self._needed - 1e-9:
             return None
         return route if self._tight_spot(route, None) is None else None
@@ -213,10 +213,11 @@ class Ways:
 
     def _planned(self, goal: tuple[float, float]) -> Route | None:
         """Return the route to a goal that the footprint passes; None without one."""
+        return finish(self._routing(goal) if self._shape.is_disc else self._routing_of_polygon(goal))
+
+    def _routing(self, goal: tuple[float, float]) -> Generator[None, None, Route | None]:
         assert self._graph is not None
-        if self._shape.is_disc:
-            return plan_route(self._graph, self._start, goal, self._reach, rounding=self._rounding)
-        return finish(self._routing_of_polygon(goal))
+        return routing(self._graph, self._start, goal, self._reach, rounding=self._rounding)
 
     def _routing_of_polygon(self, goal: tuple[float, float]) -> Generator[None, None, Route | None]:
         settings = RouteSettings(self._room + self._unsure, self._reach, self._rounding)
