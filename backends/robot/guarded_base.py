@@ -281,7 +281,8 @@ class GuardedBase(HolonomicBase):
             speed: speed in the direction of travel, in [m/s].
             turn_rate: turn rate to the left, in [rad/s].
         """
-        most, turn_rate = self._slowed_to + self._braking * self._period, self._caught_up_turn(turn_rate)
+        most = self._slowed_to + self._braking * self._period
+        turn_rate = self._caught_up_turn(turn_rate)
         if abs(speed) <= most:
             self._slowed_to = math.inf
             return speed, turn_rate

@@ -43,6 +43,15 @@ def test_backing_off_starts_and_ends_within_the_acceleration(
     assert max(map(abs, speeds)) > 0.1
 
 
+def test_backing_off_towards_a_near_wall_ends_before_it(make_rig: Callable[..., Rig]) -> None:
+    rig = make_rig(start_y=0.5)
+    for periods, _ in enumerate(BackingOff().drive(rig.robot, False)):
+        rig.robot.step()
+        assert periods < 100
+    assert rig.scene.contacts == []
+    assert max(map(abs, rig.robot.command)) < 1e-3
+
+
 def test_backing_off_ends_after_its_tries_until_they_are_reset(make_rig: Callable[..., Rig]) -> None:
     backing_off, robot = BackingOff(), make_rig().robot
     for _ in range(BACK_OFF_MAX_TRIES):

@@ -115,8 +115,8 @@ def test_steps_of_a_look_give_what_the_look_gives() -> None:
 
 
 def test_plan_on_a_large_map_takes_a_step_for_each_of_its_parts() -> None:
-    """A period computes distances, thins, traces the lines or searches; a small map takes one period."""
-    for cell, parts in ((0.05, 1), (0.02, 4)):
+    """A period computes distances, thins, traces lines, searches or rounds; a small map takes one period."""
+    for cell, parts in ((0.05, 1), (0.02, 5)):
         grid = room(FloorBox(4.0, 2.0, 0.0, 0.6, 0.6), cell=cell)
         looking, steps = Replanner(RADIUS).looking(grid, START, GOAL), 1
         while True:
