@@ -94,6 +94,10 @@ def run(
     from handcart.tasks.task_names import task_path
 
     task = task_path(task)
+    if port is not None and not view:
+        raise typer.BadParameter("--port without --view; needed: both")
+    if node_namespace and not node:
+        raise typer.BadParameter("--node-namespace without --node; needed: both")
     situation = None if situation is None else composed(situation)
     breaks = [composed(name) for name in breaks or ()]
     settings = _with_choices(settings or [], robot=robot, policy=policy)
@@ -102,14 +106,14 @@ def run(
     from handcart.tools.terminal.first_use import first_words
 
     with first_words(f"loading {shown_path(task)}") as progress_begins:
-        from handcart.files.models.settings import split_setting
+        from handcart.files.models.settings import split_settings
         from handcart.networks.operator.permits import Permits
         from handcart.networks.runs.run_options import RunOptions
         from handcart.tools.terminal.writing import check_folder
 
         check_folder(runs)
         options = RunOptions(
-            *(backend, dict(map(split_setting, settings)), seed, situation),
+            *(backend, split_settings(settings), seed, situation),
             errors=not no_errors,
             bench=bench,
             window=gui,

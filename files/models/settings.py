@@ -1,7 +1,7 @@
 """Values given on the command line, `--set KEY=VALUE`, read by the rules of the files."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from handcart.files.errors import FileError, Finding
 from handcart.files.findings import Findings
@@ -23,6 +23,21 @@ def split_setting(text: str) -> tuple[str, str]:
     if not equals or not key.strip():
         raise FileError([Finding(f"--set {text}", 0, 0, "no value is given; allowed: KEY=VALUE")])
     return key.strip(), value.strip()
+
+
+def split_settings(words: Iterable[str]) -> dict[str, str]:
+    """Return the values by the keys of several `KEY=VALUE`.
+
+    Raises:
+        FileError: a key or `=` is missing, or a key has two values, of which one would silently win.
+    """
+    found: dict[str, str] = {}
+    for text in words:
+        key, value = split_setting(text)
+        if found.setdefault(key, value) != value:
+            wrong = f"{key!r} is also given as {found[key]!r}; allowed: one value"
+            raise FileError([Finding(f"--set {key}={value}", 0, 0, wrong)])
+    return found
 
 
 def setting_value(key: str, text: str) -> Node:

@@ -88,12 +88,12 @@ def campaign(
     ] = None,
 ) -> None:
     """Run seeded trials of a task in parallel, and report how often each outcome occurs."""
-    from handcart.files.models.settings import split_setting
+    from handcart.files.models.settings import split_settings
     from handcart.tasks.task_names import task_path
     from handcart.tools.campaigns.asked_campaign import AskedCampaign
 
     words = [*(settings or []), *([f"robot={robot}"] if robot else [])]
-    chosen = dict(split_setting(word) for word in words)
+    chosen = split_settings(words)
     asked = AskedCampaign(
         task=task_path(task),
         trials=trials,

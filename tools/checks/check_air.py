@@ -14,9 +14,11 @@ from .check_robot import lines_of
 if TYPE_CHECKING:
     from handcart.backends.ros2.air_check.air_report import AirReport
 
+LISTENING_S = 5.0
+
 
 def air_facts(
-    name: str, bench: str | None = None, seconds: float = 5.0, bag: Path | None = None
+    name: str, bench: str | None = None, seconds: float = LISTENING_S, bag: Path | None = None
 ) -> dict[str, Any]:
     """Listen to a robot's ROS 2 topics, and return what was received and, as `errors`, the differences from
     the robot's file.

@@ -37,12 +37,12 @@ def dry_run(
     from handcart.backends.loading.robot_loading import load_robot
     from handcart.evaluation.robot_report.posture_findings import posture_findings
     from handcart.files.errors import FileError
-    from handcart.files.models.settings import split_setting
+    from handcart.files.models.settings import split_settings
     from handcart.networks.coordination.script import follow, load_script
     from handcart.networks.task.preparing import check
 
     outcomes = None if script is None else load_script(script)
-    chosen = dict(split_setting(setting) for setting in settings)
+    chosen = split_settings(settings)
     checked = check(task, backend, chosen, seed, situation)
     network, robot = checked.task.network, checked.task.robot
     places = list(checked.place_lines())

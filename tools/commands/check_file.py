@@ -92,27 +92,35 @@ def check(
     bag: Annotated[
         Path | None, typer.Option(help="with --ros2: topics of this recorded bag (rosbag2, rosbag1)")
     ] = None,
-    seconds: Annotated[float, typer.Option(min=0.5, help="with --ros2: time to listen")] = 5.0,
+    seconds: Annotated[
+        float | None,
+        typer.Option(min=0.5, help="with --ros2: time to listen  [default: 5.0]", show_default=False),
+    ] = None,
 ) -> None:
     """Check a file and all files that it names, and report each finding with its place."""
     import orjson
 
     from handcart.files.errors import FileError, InputError
-    from handcart.files.models.settings import split_setting
-    from handcart.tools.checks.check_air import air_facts
+    from handcart.files.models.settings import split_settings
+    from handcart.tools.checks.check_air import LISTENING_S, air_facts
     from handcart.tools.checks.option_kinds import refuse_with_topics
     from handcart.tools.terminal.first_use import announced
 
     try:
         if (bench or bag) and not ros2:
             raise InputError(f"{'--bag' if bag else '--bench'} without --ros2; needed: both")
-        given = dict(split_setting(setting) for setting in settings or [])
-        given |= {"policy": policy} if policy else {}
+        if seconds is not None and not ros2:
+            raise InputError("--seconds without --ros2; needed: both")
+        given = split_settings([*(settings or []), *([f"policy={policy}"] if policy else [])])
         with announced(f"checking {shown_path(file)}"):
             options = CheckOptions(picture, every, allow, draft, backend=backend)
             if ros2:
                 refuse_with_topics(options.given(given))
-            facts = air_facts(str(file), bench, seconds, bag) if ros2 else file_facts(file, given, options)
+            facts = (
+                air_facts(str(file), bench, seconds or LISTENING_S, bag)
+                if ros2
+                else file_facts(file, given, options)
+            )
     except InputError as error:
         if not as_json:
             if isinstance(error, FileError) and not every:

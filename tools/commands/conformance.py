@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -64,7 +64,8 @@ def conformance(
     from handcart.evaluation.conformance.kit import KitSetting, default_robot, run_kit
     from handcart.tasks.task_names import task_path
 
-    chosen = _chosen(parts or [], [*(primitives or []), *(rehearse or [])], tasks or [])
+    faults = {"--primitive": primitives, "--rehearse": rehearse, "--instants": instants}
+    chosen = _chosen(parts or [], faults, {"--task": tasks, "--seeds": seeds})
     own = [task_path(path) for path in rehearse or []]
     robot = robot or default_robot(own)
     setting = KitSetting(
@@ -116,16 +117,30 @@ def _seldom(console: Console) -> Callable[[int, int], None]:
     return tell
 
 
-def _chosen(parts: list[str], faults: Sequence[object], tasks: list[str]) -> tuple[str, ...]:
-    """Return the named parts, or the parts that the other options concern; raises `typer.BadParameter`."""
+def _chosen(parts: list[str], faults: Mapping[str, object], tasks: Mapping[str, object]) -> tuple[str, ...]:
+    """Return the named parts, or the parts that the other options concern.
+
+    Args:
+        parts: parts that the user names.
+        faults: values of the options that concern the faults alone, by their names.
+        tasks: likewise of those that concern whole tasks.
+
+    Raises:
+        typer.BadParameter: a part is unknown, or an option concerns none of the named parts.
+    """
     from handcart.evaluation.conformance.kit import KIT_PARTS
     from handcart.files.suggest import suggest
 
     for part in parts:
         if part not in KIT_PARTS:
             raise typer.BadParameter(f"unknown part {part!r}{suggest(part, KIT_PARTS)}")
+    given = {"faults": [name for name, value in faults.items() if value]}
+    given["tasks"] = [name for name, value in tasks.items() if value]
     if not parts:
-        parts = ["faults"] * bool(faults) + ["tasks"] * bool(tasks)
+        return tuple(part for part, names in given.items() if names and names != ["--instants"])
+    for part, names in given.items():
+        if names and part not in parts:
+            raise typer.BadParameter(f"{', '.join(names)} without --part {part}; needed: both")
     return tuple(parts)
 
 

@@ -108,7 +108,7 @@ def _new_folder(folder: Path) -> Path:
 
 def _task(knowledge: Path | None, settings: list[str]) -> Task | None:
     """Load the task whose knowledge is used; None if none is given."""
-    from handcart.files.models.settings import split_setting
+    from handcart.files.models.settings import split_settings
     from handcart.networks.task.task_file import load_task
     from handcart.tasks.task_names import task_path
 
@@ -116,7 +116,7 @@ def _task(knowledge: Path | None, settings: list[str]) -> Task | None:
         if settings:
             raise typer.BadParameter("--set without --knowledge; needed: the task with that parameter")
         return None
-    return load_task(task_path(knowledge), dict(split_setting(setting) for setting in settings))
+    return load_task(task_path(knowledge), split_settings(settings))
 
 
 def _made(name: str, parameters: list[str]) -> ActionPrimitive:

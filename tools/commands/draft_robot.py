@@ -34,6 +34,9 @@ def robot(
         raise typer.BadParameter(
             "needed: --from-ros; `handcart new robot` and `check URDF --draft` begin otherwise"
         )
+    if bench is not None and (namespace or domain is not None):
+        words = "--namespace" if namespace else "--domain"
+        raise typer.BadParameter(f"{words} with --bench; allowed: one of them, a bench is in this process")
     if file.suffix not in (".yaml", ".yml"):
         raise InputError(f"{file} is not a robot's file; allowed: *.yaml")
     urdf, srdf = file.with_suffix(".urdf"), file.with_suffix(".srdf")

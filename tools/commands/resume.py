@@ -43,6 +43,8 @@ def resume(
     """Print what is known, expected and unknown of the state of an interrupted run, then resume the run."""
     from handcart.tools.terminal.first_use import first_words
 
+    if node_namespace and not node:
+        raise typer.BadParameter("--node-namespace without --node; needed: both")
     with first_words("loading the run") as progress_begins:
         import orjson
 

@@ -18,12 +18,19 @@ if TYPE_CHECKING:
     from handcart.backends.description.can_spec import CanSpec
 
 BETWEEN_PROCESSES, MULTICAST = "udp_multicast", "239.74.163.2"
+DEFAULT_ROBOT = "cart"
 AT_THE_PROGRAM = ("bus-down", "error-passive", "error-warning", "bus-off", "queue-full", "cable-off")
 """Faults of the interface in the program's own process, which a bench in another process cannot inject."""
 
 
 def bench(
-    robot: Annotated[str, typer.Argument(help="a shipped robot, or the path of a robot's file")] = "cart",
+    robot: Annotated[
+        str | None,
+        typer.Argument(
+            help="a shipped robot, or the path of a robot's file  [default: cart, or that of --task]",
+            show_default=False,
+        ),
+    ] = None,
     interface: Annotated[
         str | None, typer.Option(help="of python-can  [default: udp_multicast]", show_default=False)
     ] = None,
@@ -63,7 +70,8 @@ def bench(
         bool, typer.Option("--ros2", help="simulate the topics of a robot's ROS 2 drivers instead")
     ] = False,
     task: Annotated[
-        Path | None, typer.Option(help="with --ros2: a task's file, which names robot, world and start")
+        Path | None,
+        typer.Option(help="with --ros2: a task's file, which names world, start, and robot if none is given"),
     ] = None,
 ) -> None:
     """Simulate a robot's CAN drives, or its ROS 2 drivers, in real time, until Ctrl-C."""
@@ -79,7 +87,7 @@ def bench(
             return
         serve_topics(
             RosBenchOptions(
-                robot,
+                robot or (DEFAULT_ROBOT if task is None else None),
                 backend or "kinematic",
                 world,
                 task,
@@ -96,7 +104,10 @@ def bench(
     _refuse({"--task": task, "--wrong": wrong or None}, "without --ros2; allowed: with --ros2")
     if backend is None:
         _refuse({"--world": world}, "without --backend; needed: the simulated robot in that world")
-    _serve_drives(robot, interface, channel, (backend, world, seed), faults or [], range_port, log, seconds)
+    simulated = robot or DEFAULT_ROBOT
+    _serve_drives(
+        simulated, interface, channel, (backend, world, seed), faults or [], range_port, log, seconds
+    )
 
 
 def _refuse(options: Mapping[str, object], why: str) -> None:

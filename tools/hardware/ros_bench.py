@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 class RosBenchOptions(NamedTuple):
     """Options for simulating a robot behind ROS 2 topics: robot, world, faults, duration and others."""
 
-    robot: str
-    """Name or path of the robot; that of the task where one is given."""
+    robot: str | None
+    """Name or path of the robot; None: that of the task."""
     backend: str
     """Name of the simulated backend."""
     world: Path | None
     task: Path | None
-    """A task, which names robot, world and start."""
+    """A task, which names world and start, and the robot where none is named."""
     seed: int
     faults: tuple[str, ...]
     """Injected faults, each as KIND@TOPIC@SECONDS."""
@@ -48,7 +48,7 @@ def serve_topics(options: RosBenchOptions) -> None:
     from handcart.tools.terminal.asked_to_end import AskedToEnd
 
     planned = tuple(map(TopicFault.read, options.faults))
-    spec, inner = _simulated(options)
+    spec, inner = simulated_robot(options)
     with ExitStack() as parts:  # closed here unless the bench owns them
         parts.callback(inner.close)
         if spec.ros2 is None:
@@ -60,7 +60,11 @@ def serve_topics(options: RosBenchOptions) -> None:
         parts.pop_all()
     over, rate = AskedToEnd(), BenchRate(spec.period_s)
     begun = due = time.monotonic()
-    print(f"topics of {spec.ros2.namespace or '/'}, simulated by {options.backend}; Ctrl-C ends", flush=True)
+    where = f"topics of {spec.ros2.namespace or '/'}"
+    print(
+        f"{where}: {options.robot or spec.folder.name}, simulated by {options.backend}; Ctrl-C ends",
+        flush=True,
+    )
     try:
         while not over and not (options.seconds is not None and due - begun >= options.seconds):
             bench.step()
@@ -84,7 +88,7 @@ def list_topic_faults() -> None:
         print(f"{name:<18} {words}")
 
 
-def _simulated(options: RosBenchOptions) -> tuple[RobotFile, Backend]:
+def simulated_robot(options: RosBenchOptions) -> tuple[RobotFile, Backend]:
     """Return the robot's file and the simulated robot."""
     from handcart.backends.loading.robot_loading import load_robot
     from handcart.backends.registry import make_backend
@@ -93,8 +97,10 @@ def _simulated(options: RosBenchOptions) -> tuple[RobotFile, Backend]:
     from handcart.tasks.task_names import task_path
 
     if options.task is not None:
-        prepared = prepare(task_path(options.task), options.backend, {}, options.seed)
+        settings = {} if options.robot is None else {"robot": options.robot}
+        prepared = prepare(task_path(options.task), options.backend, settings, options.seed)
         return prepared.robot.spec, prepared.backend
+    assert options.robot is not None, "without a task it has a default"
     spec = load_robot(options.robot)
     world = options.world or LIBRARY_FOLDER / "world.yaml"
     return spec, make_backend(options.backend, spec, world, options.seed)

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from handcart.files.errors import FileError
 from handcart.files.models.loading import load_part
-from handcart.files.models.settings import setting_value, split_setting
+from handcart.files.models.settings import setting_value, split_setting, split_settings
 from handcart.files.yaml.yaml_document import Document
 from handcart.files.yaml.yaml_node import Node
 
@@ -32,6 +32,7 @@ def typed_model(kind: type[Model], words: Sequence[str], command: str) -> Model:
             typed.
     """
     try:
+        split_settings(words)
         content = dict(_value(kind, word) for word in words)
         return load_part(Document(command, b"", Node(content, command, 0, 0, 0, 0)), (), kind)
     except FileError as error:
