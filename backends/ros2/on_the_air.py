@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from handcart.backends.ros2.wire.ros_errors import NotOnTheAir
 from handcart.backends.ros2.wire.ros_link import Link
@@ -48,6 +48,36 @@ def await_robot(
         sleep(PAUSE_S)
     if others := [*other_masters(topics, link), *doubled_readings(topics, link)]:
         raise NotOnTheAir(others)
+
+
+def refuse_masters(
+    topics: Iterable[str], link: Link, discovery_s: float, sleep: Callable[[float], None]
+) -> None:
+    """Look for other nodes that publish commands, before this program's node does.
+
+    A run that is under way would take a second node on its command topics for a rival, and stop.
+
+    Args:
+        topics: names of the command topics.
+        link: connection that has published none of them.
+        discovery_s: time in which other nodes are discovered, in [s].
+        sleep: function that waits a number of seconds.
+
+    Raises:
+        NotOnTheAir: another node publishes commands; the error names topics and nodes.
+    """
+    begun = link.clock()
+    while True:
+        found = {topic: sorted(nodes) for topic in topics if (nodes := link.publishers(topic))}
+        if found:
+            hint = "is another run under way, or was one killed in the last 20 s?"
+            allowed = f"allowed: this program alone; {hint}"
+            raise NotOnTheAir(
+                [f"{topic}: {', '.join(nodes)} publishes it; {allowed}" for topic, nodes in found.items()]
+            )
+        if link.clock() - begun >= discovery_s:
+            return
+        sleep(PAUSE_S)
 
 
 def other_masters(topics: RosTopics, link: Link) -> Iterator[str]:

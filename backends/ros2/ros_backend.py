@@ -29,10 +29,11 @@ from .on_the_air import (
     doubled_readings,
     ended_drivers,
     other_masters,
+    refuse_masters,
     restarted_servers,
     unheard,
 )
-from .ros_topics import RosTopics, capabilities_of, check_ros_section
+from .ros_topics import RosTopics, capabilities_of, check_ros_section, command_topics
 
 MASTERS_PERIOD_S = 1.0
 """Time between two searches for other nodes that command the robot, in [s]."""
@@ -106,6 +107,8 @@ class RosBackend(Backend):
         self._thread, self._is_late, self._compiled = threading.get_ident(), False, 0
         self._ears = ExitStack()
         try:
+            if self._drivers is None:
+                refuse_masters(command_topics(robot, spec), self._link, DISCOVERY_S, time.sleep)
             self._topics = RosTopics(robot, spec, self._link)
             waiting = (self._drivers.wait, 0.0) if self._drivers else (time.sleep, DISCOVERY_S)
             await_robot(self._topics, self._link, spec.first_message_s, *waiting)

@@ -291,6 +291,14 @@ class RosTopics:
         return self._link.publisher(kind, topic)
 
 
+def command_topics(robot: RobotFile, spec: RosSpec) -> tuple[str, ...]:
+    """Return the names of the topics to which commands are published, without those of actions."""
+    arm, fingers = robot.arm, spec.gripper
+    of_arm = () if arm is None else tuple(spec.arm.joints_by_topic(arm.joints))
+    of_fingers = () if robot.gripper is None or fingers.action is not None else (fingers.topic,)
+    return (spec.velocity.topic, *of_arm, *of_fingers)
+
+
 def check_ros_section(robot: RobotFile, spec: RosSpec) -> None:
     """Raise `WrongRosSection` if the section `ros2` of the robot's file has faults (see `ros_faults`).
 

@@ -17,7 +17,8 @@ from handcart.robotics.kinematics.urdf_frames import base_T_frame
 
 FINGER_LINK = "left_finger"
 TRAY_LINK = "tray"
-_LEVEL = 1e-6
+MAX_TILT_SINE = 1e-3
+"""Sine of the tilt up to which sides count as parallel to the axes: `1.5708` is a right angle."""
 
 
 class MissingShape(InputError):
@@ -60,12 +61,13 @@ def tray_shape(arm: ArmModel) -> TrayShape:
         MissingShape: the link has no box, or the box is not level and straight.
     """
     box = _box(arm.link_shapes(0.5 * (arm.lower + arm.upper)), TRAY_LINK)
-    if not _along(box.pose):
+    size = _size_along(box.pose, box.size)
+    if size is None:
         raise MissingShape(
             f"the link {TRAY_LINK!r} isn't level and straight; allowed: a box along the frame `base`"
         )
     x, y, z = (float(number) for number in box.pose[:3, 3])
-    return TrayShape((x, y), box.size, z + box.size[2] / 2)
+    return TrayShape((x, y), size, z + size[2] / 2)
 
 
 def body_height(urdf_text: str) -> float:
@@ -102,10 +104,13 @@ def finger_shape(arm: ArmModel) -> FingerShape:
     joints = 0.5 * (arm.lower + arm.upper)
     box = _box(arm.link_shapes(joints), FINGER_LINK)
     hand_T_box = inverse(arm.forward(joints)) @ box.pose
-    if not _along(hand_T_box):
-        raise MissingShape(f"the link {FINGER_LINK!r} isn't straight; allowed: a box along the frame `hand`")
-    tip = float(hand_T_box[0, 3]) + box.size[0] / 2
-    return FingerShape(tip, *box.size)
+    size = _size_along(hand_T_box, box.size)
+    if size is None:
+        raise MissingShape(
+            f"the box of a finger (link {FINGER_LINK!r}) isn't straight; allowed: sides along the axes of the"
+            " frame `hand`, whose x axis is the direction of approach"
+        )
+    return FingerShape(float(hand_T_box[0, 3]) + size[0] / 2, *size)
 
 
 def _box(shapes: Sequence[Shape], link: str) -> Box:
@@ -115,5 +120,16 @@ def _box(shapes: Sequence[Shape], link: str) -> Box:
     return max(boxes, key=lambda box: float(np.prod(box.size)))
 
 
-def _along(pose: Transform) -> bool:
-    return bool(np.abs(pose[:3, :3] - np.eye(3)).max() < _LEVEL)
+def _size_along(pose: Transform, size: tuple[float, float, float]) -> tuple[float, float, float] | None:
+    """Return the size of a box along the axes of a frame, in [m]; None if its sides are not parallel to them.
+
+    Args:
+        pose: pose of the box in the frame.
+        size: size along the axes of the box, in [m].
+    """
+    turned = np.abs(pose[:3, :3])
+    axes = np.round(turned)
+    if np.abs(turned - axes).max() > MAX_TILT_SINE:
+        return None
+    along_x, along_y, along_z = (float(item) for item in axes @ np.asarray(size))
+    return along_x, along_y, along_z

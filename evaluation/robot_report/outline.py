@@ -80,7 +80,8 @@ def outline_of(urdf_text: str) -> Outline:
     chains = _chains(tree, driving)
     arm = chains[0] if chains else ()
     last = tree.child[arm[-1]] if arm else tree.root
-    hand, fingers = _hand(tree, last), _fingers(tree, last)
+    fingers = _fingers(tree, last)
+    hand = _hand(tree, last, fingers)
     root, height = _base(tree, wheels)
     return Outline(
         root,
@@ -185,10 +186,18 @@ def _beside(tree: LinkTree, joint: str) -> list[str]:
     return tree.moved_from(link)
 
 
-def _hand(tree: LinkTree, last: str) -> str:
+def _hand(tree: LinkTree, last: str, fingers: tuple[str, str] | None) -> str:
+    """Return the tool frame on an arm's last link: with fingers, one on their own body comes first.
+
+    An arm's own flange frames, such as `ee_link` and `tool0` of a UR5, do not know which gripper is mounted.
+    """
     carried = tree.carried(last)
     if "hand" in carried:
         return "hand"
+    if fingers is not None:
+        own = tree.carried(tree.parent[fingers[0]])[1:]
+        if tools := [link for link in own if _TOOLS.search(link)]:
+            return tools[0]
     return next((link for link in carried if _TOOLS.search(link)), last)
 
 

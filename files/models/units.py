@@ -2,6 +2,9 @@
 
 # Longer suffixes first: `speed_m_s` is in m/s, not in s.
 _UNITS = {
+    "_deg_s_rt_s": "deg/s/√s",
+    "_deg_rt_s": "deg/√s",
+    "_m_rt_s": "m/√s",
     "_deg_s2": "deg/s²",
     "_rad_s2": "rad/s²",
     "_m_s2": "m/s²",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from handcart.files.errors import InputError
 
@@ -39,3 +39,14 @@ def refuse_with_topics(given: Iterable[str]) -> None:
     wrong = [name for name in given if name in CONCERNED_FILES]
     if wrong:
         raise InputError(f"{', '.join(wrong)} with --ros2; allowed: --bench, --bag, --seconds")
+
+
+def refuse_without_topics(options: Mapping[str, object]) -> None:
+    """Raise `InputError` if an option that has an effect with `--ros2` alone is given without it.
+
+    Args:
+        options: values of these options by their names; None for one that is not given.
+    """
+    given = [name for name, value in options.items() if value is not None]
+    if given:
+        raise InputError(f"{', '.join(given)} without --ros2; needed: both")

@@ -92,10 +92,7 @@ def check(
     bag: Annotated[
         Path | None, typer.Option(help="with --ros2: topics of this recorded bag (rosbag2, rosbag1)")
     ] = None,
-    seconds: Annotated[
-        float | None,
-        typer.Option(min=0.5, help="with --ros2: time to listen  [default: 5.0]", show_default=False),
-    ] = None,
+    seconds: Annotated[float | None, typer.Option(min=0.5, help="with --ros2: listen so long (5 s)")] = None,
 ) -> None:
     """Check a file and all files that it names, and report each finding with its place."""
     import orjson
@@ -103,14 +100,12 @@ def check(
     from handcart.files.errors import FileError, InputError
     from handcart.files.models.settings import split_settings
     from handcart.tools.checks.check_air import LISTENING_S, air_facts
-    from handcart.tools.checks.option_kinds import refuse_with_topics
+    from handcart.tools.checks.option_kinds import refuse_with_topics, refuse_without_topics
     from handcart.tools.terminal.first_use import announced
 
     try:
-        if (bench or bag) and not ros2:
-            raise InputError(f"{'--bag' if bag else '--bench'} without --ros2; needed: both")
-        if seconds is not None and not ros2:
-            raise InputError("--seconds without --ros2; needed: both")
+        if not ros2:
+            refuse_without_topics({"--bag": bag, "--bench": bench, "--seconds": seconds})
         given = split_settings([*(settings or []), *([f"policy={policy}"] if policy else [])])
         with announced(f"checking {shown_path(file)}"):
             options = CheckOptions(picture, every, allow, draft, backend=backend)

@@ -97,10 +97,11 @@ def describe_air(link: Link, wait: Callable[[], None], seconds: float, namespace
                     link.subscribe(kind, topic, _kept(messages, topic, lambda message: message))
         link.receive()
     if URDF_TOPIC not in texts:
+        where = f" in {link.place}" if link.place else ""
         raise NotOnTheAir(
             [
-                f"{URDF_TOPIC}: no URDF arrives within {seconds:g} s; needed: robot_state_publisher, or"
-                " `handcart check URDF --draft FILE` with the URDF as a file"
+                f"{URDF_TOPIC}: no URDF arrives within {seconds:g} s{where}; needed: robot_state_publisher,"
+                " or `handcart check URDF --draft FILE` with the URDF as a file"
             ]
         )
     topics = {kind: tuple(_in_use(link, kind)) for kind in DISCOVERED_KINDS}

@@ -221,6 +221,27 @@ def test_a_master_discovered_late_is_named_before_anything_moves(make: Make) -> 
             await_robot(backend._topics, bench.link, 5.0, wait, DISCOVERY_S)
 
 
+def test_a_second_run_is_refused_before_its_node_is_a_rival(
+    make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its node on `cmd_vel` would stop the first run."""
+    from handcart.backends.ros2 import ros_backend
+    from handcart.backends.ros2.bench.local_air import LocalLink
+
+    with make() as first:
+        air = first.bench.air  # type: ignore[union-attr]
+        monkeypatch.setattr(ros_backend, "RosLink", lambda *_: LocalLink(air, "second"))
+        topics = "cmd_vel", "arm_controller/joint_trajectory", "gripper_controller/joint_trajectory"
+        before = {topic: list(first._link.publishers(topic)) for topic in topics}
+        with pytest.raises(NotOnTheAir) as refused:
+            RosBackend(first._topics._robot)
+        for topic in topics:
+            assert f"{topic}: /handcart" in str(refused.value)
+            assert first._link.publishers(topic) == before[topic]
+        assert "is another run under way" in str(refused.value)
+        drive(first, 2.0)
+
+
 def test_drivers_that_are_gone_stop_the_robot(make: Make) -> None:
     with make() as backend:
         drive(backend, 0.5)

@@ -67,6 +67,20 @@ def test_wheels_arm_fingers_and_frames_are_found(outline: Outline) -> None:
     assert outline.frames == {"range_sensor": "laser_link"}
 
 
+@pytest.mark.parametrize("own", ["grasp_link", "tcp"])
+def test_a_tool_frame_of_the_gripper_comes_before_those_of_the_arm(own: str) -> None:
+    gripper = [link("ee_link"), link("gripper_body"), link(own)]
+    gripper += [
+        joint("flange", "fixed", "tool0", "ee_link"),
+        joint("mount", "fixed", "tool0", "gripper_body"),
+        joint("grasp", "fixed", "gripper_body", own),
+    ]
+    urdf = URDF.replace(
+        '<parent link="tool0"/><child link="finger', '<parent link="gripper_body"/><child link="finger'
+    )
+    assert outline_of(urdf.replace("</robot>", "".join(gripper) + "</robot>")).hand == own
+
+
 def test_wheels_nearer_to_the_middle_are_not_driven() -> None:
     inner = [
         link("l_inner", WHEEL),

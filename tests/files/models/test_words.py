@@ -62,6 +62,9 @@ def test_long_lists_are_cut() -> None:
     [
         ("width_mm", "mm"),
         ("speed_m_s", "m/s"),
+        ("angle_random_walk_deg_rt_s", "deg/√s"),
+        ("rate_random_walk_deg_s_rt_s", "deg/s/√s"),
+        ("bias_walk_m_rt_s", "m/√s"),
         ("wait_s", "s"),
         ("turn_deg", "deg"),
         ("name", ""),
