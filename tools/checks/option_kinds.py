@@ -34,19 +34,17 @@ def refuse_other_options(given: Iterable[str], concerned: str, file: object) -> 
         raise InputError(f"{file} is {concerned}, but {each}; allowed: {allowed}")
 
 
-def refuse_with_topics(given: Iterable[str]) -> None:
-    """Raise `InputError` if an option that concerns a file alone is given together with `--ros2`."""
-    wrong = [name for name in given if name in CONCERNED_FILES]
-    if wrong:
-        raise InputError(f"{', '.join(wrong)} with --ros2; allowed: --bench, --bag, --seconds")
-
-
-def refuse_without_topics(options: Mapping[str, object]) -> None:
-    """Raise `InputError` if an option that has an effect with `--ros2` alone is given without it.
+def refuse_other_topics(ros2: bool, for_topics: Mapping[str, object], for_files: Iterable[str]) -> None:
+    """Raise `InputError` if an option has no effect, because topics are compared or because they are not.
 
     Args:
-        options: values of these options by their names; None for one that is not given.
+        ros2: True with `--ros2`.
+        for_topics: values of the options that have an effect with `--ros2` alone, by name; None: not given.
+        for_files: given options that concern a file alone.
     """
-    given = [name for name, value in options.items() if value is not None]
-    if given:
+    wrong = [name for name in for_files if name in CONCERNED_FILES]
+    if ros2 and wrong:
+        raise InputError(f"{', '.join(wrong)} with --ros2; allowed: --bench, --bag, --seconds")
+    given = [name for name, value in for_topics.items() if value is not None]
+    if given and not ros2:
         raise InputError(f"{', '.join(given)} without --ros2; needed: both")

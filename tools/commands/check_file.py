@@ -100,17 +100,15 @@ def check(
     from handcart.files.errors import FileError, InputError
     from handcart.files.models.settings import split_settings
     from handcart.tools.checks.check_air import LISTENING_S, air_facts
-    from handcart.tools.checks.option_kinds import refuse_with_topics, refuse_without_topics
+    from handcart.tools.checks.option_kinds import refuse_other_topics
     from handcart.tools.terminal.first_use import announced
 
     try:
-        if not ros2:
-            refuse_without_topics({"--bag": bag, "--bench": bench, "--seconds": seconds})
         given = split_settings([*(settings or []), *([f"policy={policy}"] if policy else [])])
         with announced(f"checking {shown_path(file)}"):
             options = CheckOptions(picture, every, allow, draft, backend=backend)
-            if ros2:
-                refuse_with_topics(options.given(given))
+            alone = {"--bag": bag, "--bench": bench, "--seconds": seconds}
+            refuse_other_topics(ros2, alone, options.given(given))
             facts = (
                 air_facts(str(file), bench, seconds or LISTENING_S, bag)
                 if ros2
