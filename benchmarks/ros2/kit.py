@@ -82,7 +82,7 @@ def findings_of(report: KitReport) -> list[str]:
     """Return what is wrong, in words."""
     return [
         *(f"check {check.name}: {'; '.join(check.wrong)}" for check in report.checks if not check.ok),
-        *(f"{violation.fault}: {'; '.join(violation.ending.wrong)}" for violation in report.violations),
+        *(str(violation) for violation in report.violations),
         *(f"{item.name} was missed" for item in report.missed),
         *(f"{item.name}: {item.reason.strip().splitlines()[-1]}" for item in report.broken),
     ]

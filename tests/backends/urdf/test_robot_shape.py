@@ -37,6 +37,6 @@ def test_a_finger_turned_by_right_angles_has_the_same_size(rpy: str, size: str) 
     assert shape_with(turned) == pytest.approx(shape_with(BOX), abs=1e-9)
 
 
-def test_a_finger_that_is_not_straight_is_refused_in_words_of_the_hand() -> None:
+def test_a_tilted_finger_is_refused_in_words_of_the_hand() -> None:
     with pytest.raises(MissingShape, match="sides along the axes of the frame `hand`, whose x axis is"):
         shape_with(BOX.replace("/><geometry>", ' rpy="0 0.1 0"/><geometry>'))
