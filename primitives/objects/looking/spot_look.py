@@ -28,9 +28,11 @@ from .object_look import look_from
 from .view_plan import directions
 
 VIEW_DISTANCES_M = (0.32, 0.38, 0.26, 0.46, 0.54)  # the far ones over the rim of a deep box
+FAR_VIEW_DISTANCES_M = (*VIEW_DISTANCES_M, 0.64, 0.74)  # for a long object in the hand over a deep box
 SIGHT_WIDTH_M = 0.01  # of the line of sight to a point of a spot
 VIEW_SPARE = 1.05  # of a view's width over the foot in it
 GRID_POINTS = 9  # along each side of a spot, of which those that are hidden are left out
+VIEW_POINTS = 5  # likewise, by which a second view is chosen: the first one is chosen by the corners alone
 MIN_SEEN_SHARE = 0.4  # of these points: where fewer are seen, nothing is known of the spot
 TAKEN, HIDDEN = "something stands there", "walls or known objects hide most of it"
 RIM_M = 0.01  # of a surface along its edge, that isn't judged: the edge would be seen as a thing
@@ -61,15 +63,20 @@ def why_not_free(
     Raises:
         Discrepancy: no view of the spot is free.
     """
-    towards, distances = list(directions((), None, "any")), _showing_all(robot, kind)
+    towards = list(directions((), None, "any"))
     foot, middle = foot_corners(kind, base_T_goal), base_T_goal[:3, 3]
-    if not (yield from look_from(robot, model, middle, towards, distances, shown=foot)):
-        raise Discrepancy(f"no view of {name} is free", cause=causes.NO_ARM_PATH)
-    yield from settle(robot)
-    yield
-    photo = robot.photo()
-    corners = _seen_part(robot, model, photo.base_T_camera, _on_surface(robot, surface, foot))
-    if corners is None:
+    part = _on_surface(robot, surface, foot)
+    for shown, views in ((foot, VIEW_DISTANCES_M), (_points_within(part, VIEW_POINTS), FAR_VIEW_DISTANCES_M)):
+        distances = _showing_all(robot, kind, views)
+        if not (yield from look_from(robot, model, middle, towards, distances, shown=shown)):
+            raise Discrepancy(f"no view of {name} is free", cause=causes.NO_ARM_PATH)
+        yield from settle(robot)
+        yield
+        photo = robot.photo()
+        corners = _seen_part(robot, model, photo.base_T_camera, part)
+        if corners is not None:
+            break
+    else:
         return HIDDEN
     share = PictureEdges.of_picture(photo.pixels).share(photo.camera, photo.base_T_camera, corners)
     outline = photo.camera.project(apply(inverse(photo.base_T_camera), corners))
@@ -115,11 +122,7 @@ def _seen_part(
         corners: (n, 3) corners of the convex spot in the base frame, in [m].
     """
     collision = collision_model(robot, None, surroundings(robot, model))
-    low, high = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
-    shares = np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, GRID_POINTS)] * 2), axis=-1).reshape(-1, 2)
-    outline = corners[:, :2].astype(np.float32)
-    inside = [item for item in (low + shares * (high - low)).tolist() if _is_within(outline, item)]
-    points = np.column_stack([inside, np.full(len(inside), corners[0, 2])])
+    points = _points_within(corners, GRID_POINTS)
     seen = [
         point
         for point in points
@@ -130,6 +133,17 @@ def _seen_part(
     if len(seen) < MIN_SEEN_SHARE * len(points):
         return None
     return _hull(np.array(seen))
+
+
+def _points_within(corners: FloatArray, count: int) -> FloatArray:
+    """Return points (m, 3) within a convex part of a surface, of a grid around it with `count` points along
+    each side; both in the base frame, in [m].
+    """
+    low, high = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
+    shares = np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, count)] * 2), axis=-1).reshape(-1, 2)
+    outline = corners[:, :2].astype(np.float32)
+    inside = [item for item in (low + shares * (high - low)).tolist() if _is_within(outline, item)]
+    return np.column_stack([inside, np.full(len(inside), corners[0, 2])])
 
 
 def _is_within(outline: SingleArray, point: Sequence[float]) -> bool:
@@ -144,9 +158,11 @@ def _hull(points: FloatArray) -> FloatArray:
     return np.column_stack([hull, np.full(len(hull), points[0, 2])])
 
 
-def _showing_all(robot: Robot, kind: ObjectKind) -> list[float]:
-    """Return distances of the camera from a spot, in [m], from which it sees all of an object's foot."""
+def _showing_all(robot: Robot, kind: ObjectKind, distances: Sequence[float]) -> list[float]:
+    """Return distances of the camera from a spot, in [m], from which it sees all of an object's foot: the
+    given ones, or longer ones.
+    """
     camera = robot.view_camera.model
     across = max(kind.size[:2]) + 2 * FOOT_MARGIN_M
     least = VIEW_SPARE * across * float(camera.K[0, 0]) / min(camera.width, camera.height)
-    return [max(distance_m, least) for distance_m in VIEW_DISTANCES_M]
+    return [max(distance_m, least) for distance_m in distances]
