@@ -40,6 +40,7 @@ from handcart.backends.description.footprint_spec import FootprintSpec
 from handcart.backends.robot.robot import Robot
 from handcart.backends.simulation.body.base_contact import base_gap
 from handcart.evaluation.judging.judge import Judge
+from handcart.networks.coordination.interrupts import Interrupts
 from handcart.networks.events.events import Ended, Event
 from handcart.networks.events.run_observer import RunObserver
 from handcart.networks.runs.run import execute
@@ -155,11 +156,18 @@ def try_world(world: World, chosen: argparse.Namespace) -> Trial:
 
 
 def run_watched(prepared: Prepared, folder: Path, result: Trial) -> Judge:
-    """Run a task below a folder, write its end and its false outcomes into `result`, and return the judge."""
+    """Run a task below a folder, write its end and its false outcomes into `result`, and return the judge.
+
+    A signal to end stops the run, and raises KeyboardInterrupt after it: the row of trials ends with it.
+    """
     scene = prepared.backend.scene  # type: ignore[attr-defined]
     judge, watch = Judge(prepared), Watch(scene, prepared.backend, result)
     try:
-        done = execute(prepared, folder / "run", RunOptions(observers=(watch, judge)))
+        with Interrupts() as heard:
+            options = RunOptions(observers=(watch, judge), interrupts=heard)
+            done = execute(prepared, folder / "run", options)
+        if heard.came:
+            raise KeyboardInterrupt
         result.outcome, result.fails = str(done.summary["outcome"]), int(done.summary["fails"])
         result.reason = result.reason or str(done.summary["reason"])[:300]
     except TimeoutError:

@@ -9,12 +9,17 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from benchmarks.cut_off import CUT_OFF_STATUS, CutOff, each_result
+from benchmarks.driving import cluttered
 from benchmarks.ros2 import tasks
 from handcart.networks.coordination.interrupts import Interrupts
+from handcart.networks.events.run_observer import RunObserver
+from handcart.networks.runs.run_options import RunOptions
 
 ROOT = Path(__file__).parents[2]
 
@@ -81,6 +86,33 @@ def test_an_interrupted_run_ends_the_tasks_and_is_not_counted(
     printed = capsys.readouterr().out
     assert "Success 2/2  false 0  cut off after 2 of 9 runs" in printed
     assert "GiveUp" not in printed and "return_book" not in printed
+
+
+def test_an_interrupted_drive_ends_the_worlds_and_is_not_counted(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """The run itself takes the signal and ends cancelled: the next world began all the same."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    def run(prepared: Any, run_dir: Path, options: RunOptions) -> Any:
+        assert options.interrupts is not None
+        options.interrupts.stop_by(lambda: None)
+        if prepared.is_cut_off:
+            os.kill(os.getpid(), signal.SIGINT)
+        return SimpleNamespace(summary={"outcome": "Cancelled", "fails": 0, "reason": "interrupted"})
+
+    monkeypatch.setattr(cluttered, "execute", run)
+    monkeypatch.setattr(cluttered, "Judge", lambda prepared: SimpleNamespace(untrue=[]))
+    monkeypatch.setattr(cluttered, "Watch", lambda *_: RunObserver())
+    begun, ended = [], []
+    with CutOff() as cut:
+        for seed in range(9):
+            begun.append(seed)
+            prepared: Any = SimpleNamespace(backend=SimpleNamespace(scene=None), is_cut_off=seed == 2)
+            cluttered.run_watched(prepared, tmp_path, cluttered.Trial(seed, 0.2))
+            ended.append(seed)
+    assert (begun, ended) == ([0, 1, 2], [0, 1])
+    assert cut.status(False) == CUT_OFF_STATUS
 
 
 @pytest.mark.slow
