@@ -37,7 +37,7 @@ from .halt import halt
 from .intents import UNRECORDED_INTENTS, Intents
 from .standstill_monitor import StandstillMonitor
 from .tracking_error_monitor import TrackingErrorMonitor
-from .unmet import find_unmet, note_hand
+from .unmet import check_hand, find_unmet, note_hand
 
 T = TypeVar("T")
 FRAMEWORK_MODULES.add(__name__)
@@ -105,7 +105,7 @@ def attempt(
             raise Discrepancy(
                 "success is not confirmed: the effect is not seen", check="effect", cause=causes.NO_EFFECT
             )
-        note_hand(primitive, model)
+        yield from _recorded(check_hand(primitive, robot, model, start.holding), trace)
         robot.localization.look_again()
         _check_not_pushed(robot, displaced)
         return Success(dict(primitive.facts), primitive.evidence.result)

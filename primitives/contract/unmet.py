@@ -1,6 +1,8 @@
-"""Checking before anything moves whether a primitive may start."""
+"""Checks of what a primitive requires before anything moves, and of what it has to keep."""
 
 from __future__ import annotations
+
+from collections.abc import Generator
 
 import numpy as np
 
@@ -8,9 +10,13 @@ from handcart.backends.capabilities.gripper import Gripper
 from handcart.backends.robot.robot import Robot
 from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.knowledge.world_model import WorldModel
+from handcart.primitives.outcomes import causes
+from handcart.primitives.outcomes.discrepancy import Measured, NeedsPerson
 from handcart.primitives.preconditions.hand_use import Hand
 from handcart.primitives.restoring.snapshot import is_holding
 
+MAX_EMPTY_PERIODS = 20
+"""Periods at rest without a held thing until it counts as lost; readings may miss for some."""
 _BASE = ActionPrimitive
 """Class whose methods require nothing by themselves."""
 
@@ -46,6 +52,30 @@ def note_hand(primitive: ActionPrimitive, model: WorldModel) -> None:
     after = primitive.hand_use().after
     if after is not Hand.SAME:
         model.in_hand = primitive.thing(model.view(primitive)) if after is Hand.FULL else ""
+
+
+def check_hand(
+    primitive: ActionPrimitive, robot: Robot, model: WorldModel, was_holding: bool
+) -> Generator[None, None, None]:
+    """Check at the end that the hand still holds what the primitive keeps, and note what it holds.
+
+    Args:
+        primitive: the primitive, at rest after its motion.
+        robot: the robot.
+        model: world model, whose `in_hand` is set (`note_hand`).
+        was_holding: True if the hand held something at the start.
+
+    Raises:
+        NeedsPerson: the hand has held nothing for `MAX_EMPTY_PERIODS` periods.
+    """
+    missed = 0
+    while was_holding and primitive.hand_use().after is Hand.SAME and not is_holding(robot):
+        if missed == MAX_EMPTY_PERIODS:
+            opening = Measured("Gripper", "opening", 1e3 * robot.gripper.width(), unit="mm")
+            raise NeedsPerson("what the hand held slipped out under way", opening, cause=causes.SLIPPED)
+        missed += 1
+        yield
+    note_hand(primitive, model)
 
 
 def _unmet_by_pose(primitive: ActionPrimitive, robot: Robot) -> str:

@@ -23,6 +23,7 @@ from handcart.primitives.motions.arm_motion import collision_model
 from handcart.primitives.motions.grip import close, open_to
 from handcart.primitives.motions.pushing import relax
 from handcart.primitives.objects.holding.carrying import stow
+from handcart.primitives.objects.holding.hold_watch import HoldWatch
 from handcart.primitives.objects.holding.offering import is_outside, offering_joints
 from handcart.primitives.objects.holding.placing_plan import withdrawn
 from handcart.primitives.objects.holding.pull_watch import PullWatch, direction_words
@@ -47,7 +48,6 @@ from handcart.robotics.numerics.arrays import FloatArray
 
 GRAVITY_M_S2 = 9.81
 CARRIED_SHARE = 1.5  # of the least pull, that a force on the way has before it counts
-MISSED_PERIODS = 4  # without a held object until it has slipped
 TAKING_TIME_S = 1.0  # that a person has to take the object out of the open fingers
 CALM_TIMEOUT_S = 30.0  # that a pull may last before the arm goes back
 PERSISTENT_S = 1.0  # that a force lasts beyond the arm's stop if a person pulls
@@ -95,7 +95,7 @@ class HandOver(ActionPrimitive):
 
     _before: HeldObject | None = PrivateAttr(default=None)
     _phase: HeldPhase = PrivateAttr(default=HeldPhase.CARRIED)
-    _missed: int = PrivateAttr(default=0)
+    _hold: HoldWatch = PrivateAttr(default_factory=HoldWatch)
     _watch: PullWatch | None = PrivateAttr(default=None)
     _is_gone: bool = PrivateAttr(default=False)
 
@@ -148,8 +148,8 @@ class HandOver(ActionPrimitive):
         Raises:
             NeedsPerson: the object has slipped.
         """
-        if self._phase is HeldPhase.CARRIED and self._has_slipped(robot):
-            raise self._slipped(robot)
+        if self._phase is HeldPhase.CARRIED and self._hold.has_slipped(robot):
+            raise self._hold.slipped(robot)
 
     def effect(self, robot: Robot, model: ModelView) -> Generator[None, None, bool]:
         """Return whether the hand is empty after the object was released."""
@@ -256,9 +256,9 @@ class HandOver(ActionPrimitive):
         while robot.time <= begun + self.wait_s:
             yield
             watch.feel()
-            if self._has_slipped(robot):
+            if self._hold.has_slipped(robot):
                 if not watch.is_strong:
-                    raise self._slipped(robot)
+                    raise self._hold.slipped(robot)
                 self.found(pull="out of the closed fingers")
                 return
             pull = watch.pull()
@@ -306,12 +306,3 @@ class HandOver(ActionPrimitive):
             raise NeedsPerson("something is still between the fingers", left, cause=object_causes.NOT_TAKEN)
         self._is_gone = True
         self.found(closed_mm=round(1e3 * width, 2))
-
-    def _has_slipped(self, robot: Robot) -> bool:
-        """Return whether the fingers have held nothing for some periods; called once a period."""
-        self._missed = 0 if is_holding(robot) else self._missed + 1
-        return self._missed >= MISSED_PERIODS
-
-    def _slipped(self, robot: Robot) -> NeedsPerson:
-        opening = Measured("Gripper", "opening", 1e3 * robot.gripper.width(), unit="mm")
-        return NeedsPerson("the object slipped out of the hand", opening, cause=causes.SLIPPED)

@@ -11,7 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from handcart.backends.simulation.objects.object_props import ObjectProps
+from handcart.backends.simulation.objects.pull_spec import PullSpec
 from handcart.evaluation.trials.rig import Rig
+from handcart.primitives.contract.action_primitive import ActionPrimitive
 from handcart.primitives.driving.move_to import MoveTo
 from handcart.primitives.objects.knowledge.objects import Objects
 from handcart.primitives.objects.look_for import LookFor
@@ -326,3 +329,16 @@ def test_pick_with_a_force_that_stands_still_names_the_sensor(monkeypatch: pytes
     outcome = rig.do(Pick(object="parcel_1"))
     assert not isinstance(outcome, Success)
     assert outcome.cause.name == "sensor_fault", outcome
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("primitive", [Stow(), MoveArm(posture="home"), MoveTo(place="table_b")])
+def test_object_that_is_torn_out_of_the_hand_is_no_success(primitive: ActionPrimitive) -> None:
+    rig = at_table_a()
+    look_and_pick(rig, stow=isinstance(primitive, MoveTo))
+    begun, props = rig.robot.time, scene_of(rig).of(ObjectProps)
+    tear = PullSpec(at_s=0.0, force_n=300.0, ramp_s=1.0, duration_s=2.0)
+    outcome = do_when(rig, primitive, lambda _: rig.robot.time > begun + 0.3, lambda _: props.pull_now(tear))
+    assert scene_of(rig).held is None
+    assert isinstance(outcome, GiveUp), outcome
+    assert outcome.cause.name == "slipped"
