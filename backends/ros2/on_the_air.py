@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+import math
+from collections.abc import Callable, Iterator, Sequence
 
 from handcart.backends.ros2.wire.ros_errors import NotOnTheAir
 from handcart.backends.ros2.wire.ros_link import Link
@@ -13,6 +14,8 @@ from .ros_topics import RosTopics
 from .wire.topic_sensor import TopicSensor
 
 DISCOVERY_S = 1.0  # in which nearly all nodes on a network find each other
+LATE_DISCOVERY_S = 3.0
+"""Time in [s] after which no driver is expected any more that was on the air before."""
 PAUSE_S = 0.02
 
 
@@ -51,7 +54,7 @@ def await_robot(
 
 
 def refuse_masters(
-    topics: Iterable[str], link: Link, discovery_s: float, sleep: Callable[[float], None]
+    topics: Sequence[str], link: Link, discovery_s: float, sleep: Callable[[float], None]
 ) -> None:
     """Look for other nodes that publish commands, before this program's node does.
 
@@ -60,13 +63,13 @@ def refuse_masters(
     Args:
         topics: names of the command topics.
         link: connection that has published none of them.
-        discovery_s: time in which other nodes are discovered, in [s].
+        discovery_s: time after the robot's drivers are seen in which other nodes are discovered, in [s].
         sleep: function that waits a number of seconds.
 
     Raises:
         NotOnTheAir: another node publishes commands; the error names topics and nodes.
     """
-    begun = link.clock()
+    begun, seen = link.clock(), math.inf
     while True:
         found = {topic: sorted(nodes) for topic in topics if (nodes := link.publishers(topic))}
         if found:
@@ -75,7 +78,9 @@ def refuse_masters(
             raise NotOnTheAir(
                 [f"{topic}: {', '.join(nodes)} publishes it; {allowed}" for topic, nodes in found.items()]
             )
-        if link.clock() - begun >= discovery_s:
+        now = link.clock()
+        seen = min(seen, now) if any(map(link.listeners, topics)) else seen
+        if now - seen >= discovery_s or (seen > now and now - begun >= LATE_DISCOVERY_S):
             return
         sleep(PAUSE_S)
 

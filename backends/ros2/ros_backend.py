@@ -18,6 +18,7 @@ from handcart.backends.live.pace import Pace
 from handcart.backends.ros2.wire.other_end import OtherEnd
 from handcart.backends.ros2.wire.ros_errors import NoTopics, RosFault
 from handcart.backends.ros2.wire.ros_link import Link, RosLink, node_name
+from handcart.backends.ros2.wire.sole_use import sole_use
 from handcart.backends.saved_state import NotAState
 from handcart.robotics.numerics.arrays import ByteArray
 from handcart.robotics.numerics.compiled import hearing_of_compiling
@@ -108,6 +109,7 @@ class RosBackend(Backend):
         self._ears = ExitStack()
         try:
             if self._drivers is None:
+                self._ears.enter_context(sole_use(f"{self._link.place}, {spec.namespace or '/'}"))
                 refuse_masters(command_topics(robot, spec), self._link, DISCOVERY_S, time.sleep)
             self._topics = RosTopics(robot, spec, self._link)
             waiting = (self._drivers.wait, 0.0) if self._drivers else (time.sleep, DISCOVERY_S)

@@ -1,6 +1,8 @@
 """A robot by topics: commands arrive, readings come back, and it never drives blind."""
 
 import math
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +20,7 @@ from handcart.backends.ros2.bench.local_bench import LocalBench
 from handcart.backends.ros2.on_the_air import DISCOVERY_S, await_robot
 from handcart.backends.ros2.ros_backend import RosBackend
 from handcart.backends.ros2.wire.ros_errors import NotOnTheAir, RosFault, WrongRosSection
+from handcart.backends.ros2.wire.sole_use import sole_use
 
 from .conftest import Make
 
@@ -240,6 +243,18 @@ def test_a_second_run_is_refused_before_its_node_is_a_rival(
             assert first._link.publishers(topic) == before[topic]
         assert "is another run under way" in str(refused.value)
         drive(first, 2.0)
+
+
+def test_one_program_at_a_time_commands_a_robot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its node may not be discovered for seconds."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    for _ in range(2):  # the first one's end releases it
+        with sole_use("ROS domain 7, /"), sole_use("ROS domain 8, /"):
+            second = sole_use("ROS domain 7, /")
+            with pytest.raises(
+                NotOnTheAir, match=f"process {os.getpid()} of this machine commands the robot"
+            ):
+                second.__enter__()
 
 
 def test_drivers_that_are_gone_stop_the_robot(make: Make) -> None:
