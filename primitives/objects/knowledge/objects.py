@@ -18,6 +18,7 @@ from handcart.primitives.knowledge.section import MovedKnowledge, NamedFiles, Se
 from handcart.primitives.objects.files.object_findings import gripper_findings
 from handcart.primitives.objects.files.objects_file import ObjectsFile
 from handcart.primitives.objects.files.surface import ObjectSurface
+from handcart.robotics.geometry.footprint import polygon_gap
 from handcart.robotics.geometry.pose2 import Pose2
 from handcart.robotics.geometry.transform import Transform, transform
 from handcart.robotics.kinematics.shapes import Box
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 FOOT_OFF_M = 0.02  # that a foot may be off where it was seen, or is to be put
 BELIEVED_OFF_M = 0.05  # likewise where it was not seen yet
 LEVEL_M = 0.002  # between the heights of surfaces that one object stands on
+JOINED_M = 0.05  # between two surfaces, below which they are one body to a lidar
 WALL_NAME = "what the map shows"
 MOST_WALLS, MOST_CERTAIN_WALLS = 60, 400  # more of them would be drawn as larger blocks
 UNSURE_CELLS = 0.9  # of a wall's thickness: half of the outermost cell on each side, and not quite all of one
@@ -190,9 +192,17 @@ class Objects(Section):
         measured = any(pose.surface == place for pose in self.surface_poses)
         if surface is None or place not in self.stands or surface.fixed or measured:
             return None
-        if not is_in_scan(robot, surface):
+        if not self._is_measurable(robot, surface):
             return None
         return self.measure(robot, model, place, report)
+
+    def _is_measurable(self, robot: Robot, surface: ObjectSurface) -> bool:
+        """Return whether the lidar sees where a surface ends: no other one that it sees joins it."""
+        others = [other for other in self.objects.surfaces.values() if other is not surface]
+        return is_in_scan(robot, surface) and not any(
+            is_in_scan(robot, other) and polygon_gap(surface.outline, other.outline) < JOINED_M
+            for other in others
+        )
 
     def measure(
         self, robot: Robot, model: MovedKnowledge, name: str, report: Callable[..., None]
@@ -210,7 +220,7 @@ class Objects(Section):
             report: receives the metrics `surface_off_mm` and `surface_off_deg`.
         """
         surface = self.objects.surfaces.get(name)
-        if surface is None or not is_in_scan(robot, surface):
+        if surface is None or not self._is_measurable(robot, surface):
             return False
         before = self.surface(name)
         found = yield from scan_surface(robot, surface)

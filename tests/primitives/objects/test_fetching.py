@@ -179,15 +179,16 @@ def test_object_with_a_small_tag_is_looked_for_from_nearer(tmp_path: Path) -> No
 
 
 @pytest.mark.slow
-def test_object_on_the_other_half_of_a_surface_is_found_there(tmp_path: Path) -> None:
-    """A wide bin or table is two surfaces side by side."""
+@pytest.mark.parametrize("seed", [0, 1])
+def test_object_on_the_other_half_of_a_surface_is_found_there(tmp_path: Path, seed: int) -> None:
+    """A wide bin or table is two surfaces side by side, and no scan shows where one ends."""
     whole = "table_a: {x_m: 2.0, y_m: 3.8, height_m: 0.6, size_m: [1.2, 0.6]}"
     left, right = (whole.replace("2.0", x).replace("1.2", "0.6") for x in ("1.7", "2.3"))
     halves = f"{left}\n  {right.replace('table_a', 'table_c')}"
     kept = ("parcel_2: {kind: parcel, on: table_a", "parcel_2: {kind: parcel, on: table_c")
     objects = changed(tmp_path, "objects.yaml", (whole, halves), ("x_m: 1.9,", "x_m: 1.97,"), kept)
     world = changed(tmp_path, "world.yaml", ("x_m: 1.9\n", "x_m: 2.05\n"), ("sigma_mm: 40", "sigma_mm: 0"))
-    rig = at_table_a(world, objects)
+    rig = at_table_a(world, objects, seed)
     outcome = rig.do(LookFor(object="parcel_1"))
     assert isinstance(outcome, Success), outcome
     seen = rig.model.of(Objects).seen("parcel_1")
