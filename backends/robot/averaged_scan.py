@@ -26,9 +26,13 @@ class AveragedScan:
     too.
     """
 
-    def __init__(self, pose: Callable[[], Pose2]) -> None:
-        """Average while `pose`, which returns the base's pose without jumps, stays about the same."""
-        self._pose = pose
+    def __init__(self, pose: Callable[[], Pose2], turns_freely: bool = True) -> None:
+        """Average while `pose`, which returns the base's pose without jumps, stays about the same.
+
+        A base that does not turn freely (`turns_freely`), because its corners need room, begins again with
+        each turn.
+        """
+        self._pose, self._turns_freely = pose, turns_freely
         self.restart()
 
     def restart(self) -> None:
@@ -46,11 +50,13 @@ class AveragedScan:
         """
         pose = self._pose()
         apart = pose.distance(self._at) > CREEPING_M
+        apart |= not self._turns_freely and pose.turn(self._at) > SAME_POSE_RAD
         if apart or self._count == 0 or len(scan.ranges) != len(self._average):
             self._average, self._count, self._at, self._scan = scan.ranges, 1, pose, scan
             return scan
         if scan is not self._scan:
-            if pose.distance(self._at) > SAME_POSE_M or pose.turn(self._at) > SAME_POSE_RAD:
+            moved = pose.distance(self._at) > SAME_POSE_M or pose.turn(self._at) > SAME_POSE_RAD
+            if self._turns_freely and moved:
                 self._average, self._at = _carried(self._average, scan, pose.relative_to(self._at)), pose
             self._count, self._scan = self._count + 1, scan
             ranges, average = scan.ranges.copy(), self._average

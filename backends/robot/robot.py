@@ -96,7 +96,7 @@ class Robot:
         if spec.drive.kind == "holonomic" and not isinstance(wheels, HolonomicBase):
             raise NoSidewaysDrive(backend)
         self._unseen = None if self.lidar is None else self._unseen_ground(self.lidar)
-        self._averaged = AveragedScan(lambda: self.localization.odometry_pose)
+        self._averaged = AveragedScan(lambda: self.localization.odometry_pose, spec.footprint_shape.is_disc)
         self._guarded = GuardedBase(
             wheels,
             spec,

@@ -40,7 +40,8 @@ class PinnedWatch:
         """Note a period, in which the base may wait on purpose."""
         turned = wrap(robot.pose.theta - self._anchor.theta)
         turns = turned > self._high + PINNED_TURN_RAD or turned < self._low - PINNED_TURN_RAD
-        if waits or robot.pose.distance(self._anchor) > PINNED_MOTION_M:
+        guarded = turns and not robot.spec.footprint_shape.is_disc  # it turns where there is room alone
+        if waits or guarded or robot.pose.distance(self._anchor) > PINNED_MOTION_M:
             self.restart(robot.pose)
         elif turns:
             self._low, self._high = min(self._low, turned), max(self._high, turned)
@@ -85,7 +86,8 @@ class BackingOff:
         """
         self.tries += 1
         start, sign = robot.pose, self._way_off(robot, reverse)
-        yield from _drive_straight(robot, _away_from(robot, sign))
+        is_disc = robot.spec.footprint_shape.is_disc
+        yield from (_drive_straight if is_disc else _drive_at_once)(robot, _away_from(robot, sign))
         if robot.pose.distance(start) < PINNED_MOTION_M:
             self._stuck_way = sign
 
@@ -121,6 +123,19 @@ def _drive_straight(robot: Robot, top: DriveCommand) -> Generator[None, None, No
         robot.base.drive(*command)
         yield
         brakes = brakes or (leaves and robot.held is not None)
+
+
+def _drive_at_once(robot: Robot, command: DriveCommand) -> Generator[None, None, None]:
+    """Drive `BACK_OFF_M` with a command from the first period on, less far if something holds the base.
+
+    Polygons leave that way: after slow starts and stops, a husky did not find back to its start any more.
+    """
+    start, end = robot.pose, robot.time + BACK_OFF_TIMEOUT_S
+    while robot.pose.distance(start) < BACK_OFF_M and robot.time < end:
+        robot.base.drive(*command)
+        yield
+        if robot.held is not None:
+            break
 
 
 def _ramp_from(robot: Robot, command: DriveCommand) -> Ramp:

@@ -97,7 +97,8 @@ def test_held_base_that_turns_to_and_fro_stays_off_and_is_pinned(
 
 def test_held_base_that_turns_on_is_not_pinned() -> None:
     held = HoldingObstacle("scan", 0.3, 0.0, 0.3, 0.35)
-    robot: Any = SimpleNamespace(pose=Pose2(0.0, 0.0, 3.0), held=held, period=0.05)
+    disc = SimpleNamespace(footprint_shape=SimpleNamespace(is_disc=True))
+    robot: Any = SimpleNamespace(pose=Pose2(0.0, 0.0, 3.0), held=held, period=0.05, spec=disc)
     watch = PinnedWatch(robot.pose)
     for i in range(1, 40):
         robot.pose = Pose2(0.0, 0.0, wrap(3.0 + 0.06 * i))
