@@ -69,10 +69,13 @@ def refuse_masters(
     Raises:
         NotOnTheAir: another node publishes commands; the error names topics and nodes.
     """
-    begun, seen = link.clock(), math.inf
+    begun, seen, is_first = link.clock(), math.inf, True
     while True:
         found = {topic: sorted(nodes) for topic in topics if (nodes := link.publishers(topic))}
-        if found:
+        if found and is_first:
+            sleep(discovery_s)  # the first look may find nodes without a name yet
+            is_first = False
+        elif found:
             hint = "is another run under way, or was one killed in the last 20 s?"
             allowed = f"allowed: this program alone; {hint}"
             raise NotOnTheAir(

@@ -125,7 +125,7 @@ def test_a_second_master_is_named_before_anything_moves(bench: subprocess.Popen[
     other = RosLink("teleop")
     other.publisher("geometry_msgs/Twist", "cmd_vel")
     try:
-        with pytest.raises(NotOnTheAir, match=r"cmd_vel: 2 nodes publish it .*teleop"):
+        with pytest.raises(NotOnTheAir, match=r"cmd_vel: .*teleop.* publishes it"):
             patient_backend()
     finally:
         other.close()
