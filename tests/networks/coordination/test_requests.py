@@ -115,7 +115,7 @@ def test_a_request_that_comes_too_late_is_kept_in_words(
         if run.acting == 1:
             taken.append(run.request(Request.RESTORE))
 
-    monkeypatch.setattr("handcart.primitives.contract.attempt.note_hand", ask)
+    monkeypatch.setattr("handcart.primitives.contract.unmet.note_hand", ask)
     end = stand.finish(run)
     assert taken == [True]
     assert outcomes(events) == [(1, "Success"), (2, "Success")]

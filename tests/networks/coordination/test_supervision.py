@@ -255,7 +255,7 @@ def test_too_late_requests_are_kept_up_to_a_number(stand: Stand, monkeypatch: py
     def ask(*_: object) -> None:
         asked.extend(run.ask(Request.RESTORE) for _ in range(MAX_UNAPPLIED + 5))
 
-    monkeypatch.setattr("handcart.primitives.contract.attempt.note_hand", ask)
+    monkeypatch.setattr("handcart.primitives.contract.unmet.note_hand", ask)
     assert stand.finish(run).fails == 0
     assert asked == [""] * (MAX_UNAPPLIED + 5)
     time = f"{stand.robot.time:.3f} s"
