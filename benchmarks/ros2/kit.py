@@ -2,7 +2,7 @@
 
 Commands and readings pass through the messages of ROS, without its middleware. Printed is one row: checks
 that hold, violations after injected faults, liars that were caught. `--actions` moves arm and fingers by
-goals of actions instead of topics. The whole row costs some ten minutes of CPU time. Status 1 if a check
+goals of actions instead of topics. The whole row costs some twenty minutes of CPU time. Status 1 if a check
 failed, a fault was followed by a violation, fewer than 300 were injected, or a liar was missed. Ctrl-C prints
 the row of the jobs that have ended, status 130.
 """

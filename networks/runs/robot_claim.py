@@ -120,8 +120,8 @@ class RobotClaim:
         self.close()
 
     def _waits(self, run: Path) -> bool:
-        if not (run / JOURNAL_FILE).exists():  # this process has made none: nothing has moved
-            return False
+        if not (run / JOURNAL_FILE).exists():  # this process has made none, or somebody deleted the run
+            return not run.is_dir()
         try:
             return bool(waiting(read_run_journal(run)))
         except (JournalError, NoRun):

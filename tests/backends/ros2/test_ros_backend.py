@@ -225,9 +225,10 @@ def test_a_master_discovered_late_is_named_before_anything_moves(make: Make) -> 
 
 
 def test_a_second_run_is_refused_before_its_node_is_a_rival(
-    make: Make, monkeypatch: pytest.MonkeyPatch
+    make: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Its node on `cmd_vel` would stop the first run."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     from handcart.backends.ros2 import ros_backend
     from handcart.backends.ros2.bench.local_air import LocalLink
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -156,6 +157,17 @@ def test_what_can_not_be_read_may_wait(tmp_path: Path) -> None:
 
 
 def test_where_no_journal_was_made_nothing_has_moved(tmp_path: Path) -> None:
-    begun(tmp_path, tmp_path / "never begun")
+    run = tmp_path / "never begun"
+    run.mkdir()
+    begun(tmp_path, run)
     with RobotClaim(robot(), tmp_path) as claim:
         assert claim.path.read_text() == ""
+
+
+def test_a_run_that_was_deleted_under_way_does_not_free_the_robot(tmp_path: Path) -> None:
+    run, state = run_of(tmp_path / "one", over=False), tmp_path / "state"
+    with RobotClaim(robot(), state) as claim:
+        claim.begin(run)
+        shutil.rmtree(run)
+    with pytest.raises(NeedsOperator, match="its journal is gone; if it may move: rm "):
+        RobotClaim(robot(), state)
