@@ -41,7 +41,7 @@ def slipping(after: int, periods: int) -> AttemptEnding:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("after", [100, 160])
+@pytest.mark.parametrize("after", [100, 180])
 def test_a_short_slip_is_made_up_for(after: int) -> None:
     """Not where it falls onto a slow part of the drive: there the wheels seem to turn against something."""
     ending = slipping(after, 30)
